@@ -4,7 +4,8 @@
 //! motion of the link's *tip* this library computes the torque of the motor at the *hub*, or its force on the carriage
 //! (E. Bayo, *A Finite-Element Approach to Control the End-Point Motion of a Single-Link Flexible Robot*, J. Robotic
 //! Systems 4(1), 1987; "eq n" in these docs is an equation of this paper). The torque starts before the tip moves and
-//! outlasts its motion, because bending waves travel at finite speed. Arms have up to nine such links.
+//! outlasts its motion, because bending waves travel at finite speed. Arms have up to nine such links,
+//! and may stand on a carriage.
 //!
 //! # From a tip motion to a torque
 //!
@@ -116,6 +117,7 @@
 //! | boundary condition of the hub | `mechanics/beam/recursion.rs`: `hub_response` moves the root along the joint's unit motion, `HubResponse::at_axis` adds the joint's inertia. `pivoted.rs` and `loaded.rs` beside it repeat both; so does `batch/mod.rs` for counting modes. `mechanics/model/dense.rs`, `modal` (`basis`, `pose`, `shape`) and `response/chain.rs` assemble separate matrices. The friction of the joint joins in `inverse/spectra.rs`, `elastica/on_chord.rs` (for arms `arm_links.rs`) and `response/play.rs`; `joint().friction()` and `friction_n_m_s_rad` find all places |
 //! | a joint | [`link::Joint`]: its unit motion, inertia, friction and words. `Mesh::rigid` carries the unit motion to `mechanics/beam`, `modal`, `model`, `inverse` and `response/played.rs`. Names of files and columns stand in `files/store/names.rs` |
 //! | a difference of one link and an arm | a pair of words, keys or columns in [`link::Arm::pick`], on a page in `View::pick`; names of files and their columns in `Form` of `files/store/names.rs`; mathematics in the variants of [`motion::Motion`] |
+//! | the carriage of an arm | [`link::ArmCarriage`]. In [`inverse`] and [`response`] it is the last of the joints. `ArmPeriod::carried_by` moves the base of the inversion, `Linkage::base` that of the moved arm |
 //! | a column of torque.csv | its name in `TORQUE` in `files/store/names.rs`; its history in `of_solution` and `of_played` in `run_tables.rs`. `read_run.rs` refuses a table without the column: raise `FORMAT` in `json.rs`. All columns of the file share the decimals of one peak |
 //! | a number of each joint in summary.json, sweeps and limits | one entry in `study/result/quantities.rs` |
 //! | a warning | a variant of [`inverse::Warning`] or [`response::SimulationWarning`], whose text, kind and hint the compiler demands, or a [`result::Notice`] of `study/fit/advice.rs`; all become a `Notice`. `Solution`, `Played` and `FitOutcome` return it, each command prints it, `store` writes it. Commands with `--deny-warnings` pass the number to `WarningArgs::refuse`, which ends with exit code 4; `tests/cli/warnings.rs` checks the commands |

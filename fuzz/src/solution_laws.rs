@@ -89,8 +89,8 @@ fn check_metrics(metrics: &Metrics) {
         hub.peak_hub_angle_rad,
         hub.peak_hub_rate_rad_s,
         hub.peak_power_w,
-        hub.peak_root_moment_n_m,
-        hub.peak_deflection_m,
+        hub.peak_root_moment_n_m.expect("a link"),
+        hub.peak_deflection_m.expect("a link"),
         metrics.peak_tip_velocity_m_s,
         metrics.peak_tip_acceleration_m_s2,
     ];

@@ -55,6 +55,7 @@ class _LinkOptions(_MotionOptions, _Solving, total=False):
     angle7: _Column
     angle8: _Column
     angle9: _Column
+    carriage: _Column
 
 class _Rows(TypedDict, total=False):
     every: int

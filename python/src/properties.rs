@@ -20,7 +20,9 @@ pub(crate) enum Links {
     Hub,
     /// A link on a hub, or an arm.
     Turning,
-    /// A link on a carriage.
+    /// One link on a carriage.
+    Sliding,
+    /// A link or an arm on a carriage.
     Carriage,
 }
 
@@ -32,7 +34,8 @@ impl Links {
             Self::One => links == 1,
             Self::Several => links > 1,
             Self::Hub => links == 1 && !slides,
-            Self::Turning => !slides,
+            Self::Turning => links > 1 || !slides,
+            Self::Sliding => links == 1 && slides,
             Self::Carriage => slides,
         }
     }
@@ -41,10 +44,13 @@ impl Links {
     pub(crate) fn refusal(self, name: &str, joints: Joints) -> String {
         match self {
             Self::Several => format!("{name} is for an arm, and this is one link"),
-            Self::Hub | Self::Turning if joints.slides => {
+            Self::Hub | Self::Turning if joints.slides && joints.links == 1 => {
                 format!("{name} is for a hub, and this link is on a carriage")
             }
-            Self::Carriage => format!("{name} is for a carriage, and this link is on a hub"),
+            Self::Sliding | Self::Carriage if joints.links == 1 => {
+                format!("{name} is for a carriage, and this link is on a hub")
+            }
+            Self::Carriage => format!("{name} is for a carriage, and the arm has none"),
             _ => format!("{name} is for one link, and the arm has several"),
         }
     }
@@ -68,7 +74,7 @@ names! {
     Carriage force,
     /// Torque in N m that the hub of a rigid link, or each joint of a rigid arm, would need. None for a simulation.
     Turning rigid_torque,
-    /// Force in N that the carriage of a rigid link would need. None for a simulation.
+    /// Force in N that the carriage of a rigid link or arm would need. None for a simulation.
     Carriage rigid_force,
     /// Hub angle in rad.
     Hub hub_angle,
@@ -85,7 +91,7 @@ names! {
     /// Acceleration of the carriage in m/s².
     Carriage carriage_acceleration,
     /// Position in m of the carriage of the rigid link.
-    Carriage rigid_carriage,
+    Sliding rigid_carriage,
     /// Moment in N m that the hub, or the carriage, exerts on the link's root.
     One root_moment,
     /// Angle in rad of each joint: of the first against x, of the others from the tip of the link before to the root of
@@ -143,7 +149,7 @@ names! {
     One written_nodes,
     One length,
     Hub rigid_inertia,
-    Carriage rigid_mass,
+    Sliding rigid_mass,
 }
 
 /// Raises AttributeError if links with these joints lack the name.

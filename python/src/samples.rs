@@ -83,17 +83,19 @@ impl Samples {
     }
 
     fn path(&self, time_s: Vec<f64>, lengths_m: &[f64]) -> Fails<MotionTable> {
-        let column = |name: &str| {
-            let (name, recording) = (name.to_owned(), Recording::default());
+        let column = |name: String| {
+            let recording = Recording::default();
             self.array(&name).map(|values| PathColumn { name, values, recording })
         };
-        let tip = match OF_TIP.map(column) {
+        let tip = match OF_TIP.map(|name| column(name.to_owned())) {
             [Some(x), Some(y)] => Some([x, y]),
             [None, None] => None,
             _ => return Err(usage(&"x and y must come together", None)),
         };
-        let angles = (1..=lengths_m.len()).map(|link| column(&angle(link))).collect();
-        Ok(MotionTable::of_path(MOTION, PathColumns { time_s, tip, angles }, lengths_m)?)
+        let angles = (1..=lengths_m.len()).map(|link| column(angle(link))).collect();
+        let carriage = column("carriage".to_owned());
+        let columns = PathColumns { time_s, tip, angles, carriage };
+        Ok(MotionTable::of_path(MOTION, columns, lengths_m)?)
     }
 
     /// The wanted motion of an arm, and remarks on its file.
@@ -141,7 +143,10 @@ pub(crate) type Pickled<'py> = (Option<(String, String, Vec<u8>)>, Bound<'py, Py
 fn names(links: usize) -> Vec<String> {
     match links {
         1 => OF_LINK.map(str::to_owned).to_vec(),
-        _ => OF_TIP.map(str::to_owned).into_iter().chain((1..=links).map(angle)).collect(),
+        _ => {
+            let names = OF_TIP.map(str::to_owned).into_iter().chain((1..=links).map(angle));
+            names.chain(["carriage".to_owned()]).collect()
+        }
     }
 }
 

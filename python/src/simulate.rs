@@ -93,7 +93,7 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
         take(keywords, name)?.map(read).transpose()
     };
     let number = |name: &str| take(keywords, name)?.map(|value| value.extract()).transpose();
-    let names = if link.kind().slides {
+    let names = if link.kind().slides && links == 1 {
         ["force", "carriage", "carriage_velocity"]
     } else {
         ["torque", "hub_angle", "hub_rate"]

@@ -79,9 +79,14 @@ impl Solution {
         &self.solved.solution
     }
 
-    /// A history of each joint.
+    /// A history of the joint of each link.
     fn joints(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.inverse().joints.iter().map(of))
+        slices(self.inverse().joints.iter().map(of).take(self.links()))
+    }
+
+    /// A history of the carriage, the joint of one link or the last of an arm.
+    fn carriage(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
+        slices(self.inverse().joints.last().map(of).into_iter())
     }
 
     /// The motors of the joints that have a drive.
@@ -122,10 +127,11 @@ impl Solution {
         self.solved.write(inputs, &outputs, memory::available(), stage)
     }
 
-    /// Acceleration of the joint of one link, by its name.
+    /// Acceleration of the joint of one link, or of the carriage of an arm, by its name.
     fn acceleration<'py>(&self, py: Python<'py>, name: &str) -> Raises<Bound<'py, PyArray1<f64>>> {
         check(name, self.kind())?;
-        let find = || Ok(self.inverse().acceleration_rad_s2(0).into_owned());
+        let last = self.inverse().joints.len() - 1;
+        let find = || Ok(self.inverse().acceleration_rad_s2(last).into_owned());
         Ok(PyArray1::from_vec(py, without_python(py, find)?))
     }
 
@@ -149,13 +155,14 @@ impl Solution {
 impl Properties for Solution {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
         ("time", Computed(|own| times(&own.inverse().grid))),
-        ("torque force", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
-        ("rigid_torque rigid_force", Stored(|own| own.joints(|joint| &joint.rigid_torque_n_m))),
-        ("hub_angle joint_angle carriage", Stored(|own| own.joints(|joint| &joint.angle_rad))),
-        (
-            "hub_rate joint_rate carriage_velocity",
-            Stored(|own| own.joints(|joint| &joint.rate_rad_s)),
-        ),
+        ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
+        ("force", Stored(|own| own.carriage(|joint| &joint.torque_n_m))),
+        ("rigid_torque", Stored(|own| own.joints(|joint| &joint.rigid_torque_n_m))),
+        ("rigid_force", Stored(|own| own.carriage(|joint| &joint.rigid_torque_n_m))),
+        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
+        ("carriage", Stored(|own| own.carriage(|joint| &joint.angle_rad))),
+        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
+        ("carriage_velocity", Stored(|own| own.carriage(|joint| &joint.rate_rad_s))),
         (
             "rigid_hub_angle rigid_carriage",
             Stored(|own| own.joints(|joint| &joint.rigid_angle_rad)),

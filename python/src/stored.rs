@@ -76,6 +76,12 @@ impl Run {
         self.0.joints.iter().filter_map(|joint| of(joint).map(Vec::as_slice)).collect()
     }
 
+    /// A history of the carriage, of one link or of an arm.
+    fn carriage(&self, of: fn(&StoredJoint) -> Option<&Vec<f64>>) -> Vec<&[f64]> {
+        let of_arm = self.0.carriage.as_ref().map(|own| &own.joint);
+        of(of_arm.unwrap_or(&self.0.joints[0])).map(Vec::as_slice).into_iter().collect()
+    }
+
     /// A history of one link, or its nodes.
     fn arc(&self, of: fn(&StoredArc) -> &[f64]) -> Vec<&[f64]> {
         self.0.arc.iter().map(of).collect()
@@ -122,15 +128,12 @@ impl Run {
 impl Properties for Run {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
         ("time", Stored(|own| vec![&own.0.times_s])),
-        ("torque force", Stored(|own| own.joints(|joint| Some(&joint.torque_n_m)))),
-        (
-            "rigid_torque rigid_force",
-            Stored(|own| own.joints(|joint| joint.rigid_torque_n_m.as_ref())),
-        ),
-        (
-            "hub_angle joint_angle carriage",
-            Stored(|own| own.joints(|joint| Some(&joint.angle_rad))),
-        ),
+        ("torque", Stored(|own| own.joints(|joint| Some(&joint.torque_n_m)))),
+        ("force", Stored(|own| own.carriage(|joint| Some(&joint.torque_n_m)))),
+        ("rigid_torque", Stored(|own| own.joints(|joint| joint.rigid_torque_n_m.as_ref()))),
+        ("rigid_force", Stored(|own| own.carriage(|joint| joint.rigid_torque_n_m.as_ref()))),
+        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| Some(&joint.angle_rad)))),
+        ("carriage", Stored(|own| own.carriage(|joint| Some(&joint.angle_rad)))),
         ("tip_displacement", Stored(|own| own.arc(|arc| &arc.tip.displacement_m))),
         ("tip_velocity", Stored(|own| own.arc(|arc| &arc.tip.velocity_m_s))),
         ("tip_acceleration", Stored(|own| own.arc(|arc| &arc.tip.acceleration_m_s2))),
@@ -142,7 +145,7 @@ impl Properties for Run {
     const FRAME: &'static str = "torque force hub_angle joint_angle carriage tip_displacement tip_velocity tip_acceleration tip";
 
     fn kind(&self) -> Joints {
-        let slides = self.0.links[0].link.joint().slides();
+        let slides = self.0.links[0].link.joint().slides() || self.0.carriage.is_some();
         Joints { links: self.0.joints.len(), slides }
     }
 }

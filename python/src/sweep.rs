@@ -211,7 +211,6 @@ impl Shared {
             (Some(motion), _) => Some(Arc::clone(&motion.periods)),
             (None, tip) => tip.map(|tip| Arc::new(Periods::of(tip))),
         };
-        let links = link.specification.arm.links().iter().map(|own| &own.link);
         Ok(Self {
             source: link.source.clone(),
             document: link.source.document()?,
@@ -222,7 +221,7 @@ impl Shared {
             wanted,
             arm: link.specification.arm.clone(),
             periods,
-            kind: SweepKind::of_links(&links.collect::<Vec<_>>()),
+            kind: SweepKind::of_arm(&link.specification.arm),
             memory_bytes: None,
         })
     }

@@ -128,8 +128,8 @@ impl Problem {
             let message = arm.worded(&failure.message);
             return Failure { message, ..failure };
         }
-        if let Some(sample) = error.sample() {
-            return self.wanted.rows.refused(Some(sample), &error, hint).into();
+        if error.sample().is_some() || error == InversionError::NoCarriage {
+            return self.wanted.rows.refused(error.sample(), &error, hint).into();
         }
         let message = match error.link() {
             Some((link, why)) => {

@@ -348,7 +348,8 @@ impl Chord {
             let places = &arm.links[link].positions_m;
             places[places.len() - 1].each_ref().map(|axis| axis[row])
         };
-        let start_m = link.checked_sub(1).map_or([0.0; 2], tip);
+        let base_m = || arm.base_m(nearest(&arm.times_s, arm.nodal_times_s[row]));
+        let start_m = link.checked_sub(1).map_or_else(base_m, tip);
         let [along_x, along_y] = [0, 1].map(|axis| tip(link)[axis] - start_m[axis]);
         let angle_rad = libm::atan2(along_y, along_x);
         Self { start_m, angle_rad, length_m: libm::hypot(along_x, along_y) }

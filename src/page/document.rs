@@ -313,6 +313,9 @@ fn tables(view: &View, errors: Option<&Markup>) -> Markup {
             @if !first.readings.is_empty() {
                 (readings(view.pick("Results", "Whole arm"), &results(&first.readings)))
             }
+            @if let Some(carriage) = &first.carriage {
+                (readings("Carriage", &results(&carriage.joint.readings)))
+            }
             @for k in 0..=last { (link(k)) }
         }
         @if let Some(run) = view.link { (modes(run)) }

@@ -228,11 +228,12 @@ impl Figure {
         Self { formula: formula.into(), ..self }
     }
 
-    /// True if a page of a run shows the figure before the others. The leading figures are those of the torques, the
+    /// True if a page of a run shows the figure before the others. The leading figures are those of the torques, the force, the
     /// tip, the hub and the motors, and of an arm also the angle, rate and power of each joint; but not the tip under
     /// the rigid link's torque.
     pub(super) fn leads(&self) -> bool {
-        const LEADING: [&str; 7] = ["torque", "tip", "hub", "motor", "angle", "rate", "power"];
+        const LEADING: [&str; 8] =
+            ["torque", "carriage", "tip", "hub", "motor", "angle", "rate", "power"];
         LEADING.iter().any(|id| self.id.starts_with(id)) && self.id != "tip-under-rigid-torque"
     }
 

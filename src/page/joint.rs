@@ -57,6 +57,32 @@ pub(super) fn torque(view: &View, joint: usize) -> Figure {
     Figure { spans: view.lead_and_lag(joint), ..figure }.by(torque_formula(view))
 }
 
+/// Force on the carriage of an arm, and its place.
+pub(super) fn carriage(view: &View) -> Option<[Figure; 2]> {
+    let own = &view.first().carriage.as_ref()?.joint;
+    let lines = |name: &str, of: fn(&StoredJoint) -> &Vec<f64>| {
+        view.of_runs(name, |arm| {
+            let carriage = arm.carriage.as_ref()?;
+            Some((&arm.times_s, Cow::from(of(&carriage.joint))))
+        })
+    };
+    let force = |name: &str, history: &[f64]| peak_words(own.reading(name), history);
+    let mut caption = format!("At most {} N.", force("peak_force_n", &own.torque_n_m));
+    let mut curves = lines("flexible arm", |joint| &joint.torque_n_m);
+    if let Some(rigid) = &own.rigid_torque_n_m {
+        let peak = force("peak_rigid_force_n", rigid);
+        let _ = write!(caption, " Were the links rigid, it would be {peak} N.");
+        curves.push(view.curve("rigid arm", Stroke::Dashed(2), &view.first().times_s, rigid));
+    }
+    caption.push_str(&Curve::add_limit(&mut curves, (own.limits.of("torque"), 0.0), ("", "N"), 1));
+    let title = "Force on the carriage";
+    let figure = view.figure("carriage-force", title, caption, ("force", "N"), curves);
+    let places = lines("carriage", |joint| &joint.angle_rad);
+    let (title, caption) = ("Place of the carriage", "Place along the rail, from the path.");
+    let place = view.figure("carriage", title, caption.to_owned(), ("place", "m"), places);
+    Some([figure.by(formula::CARRIAGE_FORCE), place])
+}
+
 /// Formula of a torque, for a solution with its second-order terms.
 fn torque_formula(view: &View) -> Cow<'static, str> {
     let is_bent = |order: SecondOrder| order != SecondOrder::None || view.has_weight();

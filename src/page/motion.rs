@@ -79,6 +79,10 @@ impl Motion {
                 self.samples.iter().map(|k| [short(x[*k]), short(y[*k])]).collect()
             });
             data["wanted_m"] = json!(wanted);
+            if arm.carriage.is_some() {
+                let at = |k: &usize| arm.base_m(*k).map(short);
+                data["base_m"] = json!(self.samples.iter().map(at).collect::<Vec<_>>());
+            }
         }
         // A `<` in a title could end the script element.
         data.to_string().replace('<', "\\u003c")
@@ -195,8 +199,12 @@ impl Motion {
         let ways = ways(view);
         let lines = ways.iter().map(|way| &way.places_m);
         let frame = Frame::around(poses.iter().chain(lines).flatten());
-        let joints =
-            |row: usize| (1..arm.links.len()).map(move |link| Chord::of(arm, link, row).start_m);
+        // A fixed first joint has a drawing of its own.
+        let inner = usize::from(arm.carriage.is_none());
+        let joints = |row: usize| {
+            (inner..arm.links.len()).map(move |link| Chord::of(arm, link, row).start_m)
+        };
+        let rail = [rows[0], rows[rows.len() - 1]].map(|row| Chord::of(arm, 0, row).start_m);
         let last = poses.len() - 1;
         let shade = |k: usize| format!("{:.2}", 0.25 + 0.75 * k as f64 / last.max(1) as f64);
         let times: Vec<String> =
@@ -222,7 +230,8 @@ impl Motion {
                             }
                         }
                     }
-                    (base(frame.at([0.0; 2])))
+                    @if inner > 0 { (base(frame.at([0.0; 2]))) }
+                    @else { path class="ground" d=(frame.path(&rail)) {} }
                     (frame.foot(arm.gravity_m_s2))
                 }
                 div class="key" {

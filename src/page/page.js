@@ -434,7 +434,7 @@ document.querySelectorAll("figure.chart").forEach(bringToLife);
 // The link, or the links of an arm, one on the tip of another. Each has a frame of its own: x from its joint, along the
 // tangent at the hub or, in an arm, along the chord; w to the left.
 function animate(stage, controls, caption) {
-	const { times_s: times, links, wanted_m: wanted } = motion, isArm = links.length > 1;
+	const { times_s: times, links, wanted_m: wanted, base_m: base } = motion, isArm = links.length > 1;
 	// A carriage slides on a rail below its link; its position is in place of the angle.
 	const { slides } = links[0];
 	const start = times[0], end = times.at(-1), count = times.length;
@@ -497,7 +497,7 @@ function animate(stage, controls, caption) {
 	};
 	// Where the links are; bent, a chord is shorter than its link.
 	const posesOf = (at, angles, chords) => {
-		let [x, y] = [0, 0];
+		let [x, y] = base ? [0, 1].map((c) => between(base.map((b) => b[c]), at)) : [0, 0];
 		return links.map((link) => {
 			const stretch = link[chords] ? between(link[chords], at) / link.length_m : 1;
 			const angle = between(link[angles], at);
@@ -541,7 +541,8 @@ function animate(stage, controls, caption) {
 		way = times.map((_, i) => place(bentPoses(i).at(-1), links.at(-1).length_m, factor * links.at(-1).deflection_m[i].at(-1)));
 		if (wanted) set(aim, { d: path(wanted.map(toStage)) });
 		const back = ox - hubRadius(links[0]) - 12;
-		if (slides) set(ground, { d: `M${margin / 2},${oy + 14}H${wide - margin / 2}` });
+		if (base) set(ground, { d: path(base.map(toStage)) }); // the rail
+		else if (slides) set(ground, { d: `M${margin / 2},${oy + 14}H${wide - margin / 2}` });
 		else set(ground, { d: `M${ox},${oy}H${back}m0,-18v36${[-18, -9, 0, 9].map((y) => `M${back},${oy + y}l-8,9`).join("")}` });
 		hubs.forEach(({ hub }, l) => set(hub, { r: hubRadius(links[l]) }));
 		show();

@@ -138,7 +138,8 @@ pub(super) fn modes(run: Single) -> Markup {
 /// Error of each quantity of each joint, with a column for each kind, and the reference of the errors.
 pub(super) fn errors(view: &View) -> Option<Markup> {
     let (is_arm, has_weight) = (view.is_arm(), view.has_weight());
-    let joints = view.first().joints.iter().enumerate();
+    let carriage = view.first().carriage.iter().map(|own| &own.joint);
+    let joints = view.first().joints.iter().chain(carriage).enumerate();
     let all: Vec<_> = joints.flat_map(|(k, j)| j.errors.iter().map(move |of| (k, of))).collect();
     let kinds = distinct(all.iter().flat_map(|(_, (_, kinds))| kinds));
     let size = if has_weight { "range" } else { "peak" };
@@ -153,7 +154,7 @@ pub(super) fn errors(view: &View) -> Option<Markup> {
     let rows = html! {
         @for (k, (quantity, errors)) in &all { tr {
             th scope="row" { (words(quantity)) }
-            @if is_arm { td { (k + 1) } }
+            @if is_arm { td { @if *k < view.first().joints.len() { (k + 1) } @else { "carriage" } } }
             @for kind in &kinds {
                 td { @if let Some((_, error)) = errors.iter().find(|(own, _)| own == kind) { (significant(*error, 2)) } }
             }

@@ -82,6 +82,7 @@ pub(super) fn run() -> StoredRun {
             arguments: vec!["--set".to_owned(), "title=<u>".to_owned()],
         },
         name: String::new(),
+        carriage: None,
         joints: vec![StoredJoint {
             torque_n_m: solution.hub().torque_n_m.clone(),
             angle_rad: solution.hub().angle_rad.clone(),

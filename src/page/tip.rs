@@ -187,7 +187,7 @@ pub(super) fn rigid_directions_rad(arm: &StoredRun, sample: usize) -> Option<Vec
 pub(super) fn rigid_tip_m(arm: &StoredRun) -> Option<[Vec<f64>; 2]> {
     let mut tip_m = [Vec::new(), Vec::new()];
     for sample in 0..arm.times_s.len() {
-        let mut at = [0.0; 2];
+        let mut at = arm.base_m(sample);
         for (angle, own) in rigid_directions_rad(arm, sample)?.iter().zip(&arm.links) {
             at[0] += own.link.length_m() * libm::cos(*angle);
             at[1] += own.link.length_m() * libm::sin(*angle);

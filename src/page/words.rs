@@ -99,6 +99,9 @@ pub(super) mod formula {
         the loads are the torques and forces of the joints, and those of large angles, of centripetal and axial \
         forces and of the weight, repeated until the torques no longer change. Rigid arm: T = M(q) d²q/dt² + \
         h(q, dq/dt) + g(q).";
+    pub(in crate::page) const CARRIAGE_FORCE: &str = "\
+        F = M (d²u/dt² − g·e) + b du/dt + R·e: carriage of mass M and friction b on a rail along e, R the force on the \
+        first link.";
     pub(in crate::page) const JOINT_ANGLE: &str = "\
         q = direction of the link's root less that of the tip of the link before; each is the direction of the \
         chord and the slope of the deflection there.";

@@ -769,3 +769,98 @@ fn a_fit_finds_what_it_finds_for_a_hub_with_a_very_long_radius() {
         assert!((long / (LONG_M * LONG_M) / own - 1.0).abs() < OF_LONG, "{own} {long}");
     }
 }
+
+const GANTRY: &str = "specs/carriages/gantry_arm.toml trajectories/arms/gantry_1.5s.csv";
+
+#[test]
+fn an_arm_on_a_carriage_has_its_force_in_every_folder() {
+    let bench = Bench::new();
+    let text = stdout(&succeeded(bench.run(&format!("solve {GANTRY} --moments --report -o out"))));
+    for words in ["on a carriage of 12.00 kg along 1, 0", "\ncarriage peak ", "moves from "] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let force = column(&bench, "out/force.csv", "force_n");
+    let largest = force.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+    let peak_n = bench.number("out", "results/carriage/peak_force_n");
+    assert!((1.0..1.001).contains(&(peak_n / largest)), "{largest} {peak_n}");
+    // A level rail carries no weight, and friction is over.
+    assert!(force[0].abs() < 1e-5 * peak_n && force[force.len() - 1].abs() < 1e-5 * peak_n);
+    let place = column(&bench, "out/carriage.csv", "carriage_m");
+    assert!((place[place.len() - 1] - 0.8).abs() < 1e-6);
+    let tip = column(&bench, "out/tip.csv", "x_m");
+    assert!((tip[0] - 0.5).abs() < 1e-6 && (tip[tip.len() - 1] - 1.9).abs() < 1e-6);
+    assert!((bench.number("out", "errors/carriage/force/mesh")).abs() < 1e-6);
+    assert!((bench.number("out", "limits/2/force_n") - 300.0).abs() < 1e-9);
+    let page = bench.read("out/report.html");
+    assert!(page.contains("Force on the carriage") && page.contains("base_m"), "the page");
+    let text = stdout(&succeeded(bench.run(&format!("solve --repeat out {GANTRY}"))));
+    assert!(text.contains("byte for byte"), "{text}");
+    succeeded(bench.run("compare out out"));
+    succeeded(bench.run(&format!("solve {GANTRY} --golden -o golden")));
+    assert!(
+        bench.path("golden/force.csv").is_file() && !bench.path("golden/rigid_force.csv").is_file()
+    );
+    succeeded(bench.run(&format!("solve {GANTRY} --write all.csv")));
+    let written = column(&bench, "all.csv", "force_n");
+    assert_eq!(written.len(), column(&bench, "all.csv", "torque2_n_m").len());
+    let text = stdout(&succeeded(bench.run(&format!("verify {GANTRY}"))));
+    assert!(text.contains("force taken by moved carriage") && !text.contains("joint 3"), "{text}");
+}
+
+#[test]
+fn a_sweep_of_an_arm_on_a_carriage_has_the_numbers_of_the_carriage() {
+    let bench = Bench::new();
+    bench.done(&format!("sweep {GANTRY} --vary carriage.mass=6,24 -o sweep.csv"));
+    let text = bench.read("sweep.csv");
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    let of = |name: &str| -> [f64; 2] {
+        let at = rows[0].iter().position(|own| *own == name).unwrap();
+        [1, 2].map(|row: usize| rows[row][at].parse().unwrap())
+    };
+    let (force, lead) = (of("peak_force_n"), of("carriage_lead_s"));
+    assert!(force[0] < force[1] && lead.iter().all(|lead| lead.is_finite()), "{force:?} {lead:?}");
+    let torque = of("peak_torque1_n_m");
+    assert!((torque[0] / torque[1] - 1.0).abs() < 1e-6, "the path moves the carriage: {torque:?}");
+    bench.done("report sweep.csv -o sweep.html");
+    bench.done(&format!("solve {GANTRY} --set carriage.mass=24 -o out"));
+    let alone = bench.number("out", "results/carriage/peak_force_n");
+    assert!((force[1] / alone - 1.0).abs() < 1e-9, "{force:?} {alone}");
+}
+
+#[test]
+fn what_an_arm_on_a_carriage_does_not_take_is_refused_in_words() {
+    let bench = Bench::new();
+    let warned = stderr(&ended(
+        4,
+        bench.run(&format!("solve {GANTRY} --set limits.force=100 --strict -o out")),
+    ));
+    assert!(warned.contains("carriage: limits.force = 100 N is exceeded: 226"), "{warned}");
+    let two = "specs/arms/two_links.toml";
+    let path = "trajectories/arms/gantry_1.5s.csv";
+    let cases = [
+        (3, format!("solve {two} {path}"), "the arm has no [carriage]"),
+        (
+            3,
+            format!("solve {GANTRY} --set carriage.axis=[0,0]"),
+            "must be a direction along x and y",
+        ),
+        (3, format!("solve {GANTRY} --set carriage.mass=-1"), "carriage.mass = -1 kg, but must"),
+        (3, format!("solve {GANTRY} --set carriage.root_stiffness=1"), "is for one link"),
+        (3, format!("solve {GANTRY} --set limits.deflection=1"), "is a limit of a link"),
+        (3, format!("solve {GANTRY} --set limits.motor_rate=1"), "must come with a [drive]"),
+        (3, format!("solve {MAST} {path} --set carriage.axis=[1,0]"), "two links or more"),
+        (3, format!("simulate specs/carriages/gantry_arm.toml {path} --at 0,1"), "torque"),
+    ];
+    for (exit, words, expected) in cases {
+        let told = stderr(&ended(exit, bench.run(&words)));
+        assert!(told.contains(expected), "{words}: {told}");
+    }
+    bench.done("solve specs/arms/two_links.toml trajectories/arms/line_1.5s.csv -o fixed");
+    let played = "simulate specs/carriages/gantry_arm.toml fixed/torques.csv --at 0,0.5";
+    let told = stderr(&ended(3, bench.run(played)));
+    assert!(told.contains("an arm on a carriage is not simulated"), "{told}");
+    let text = stdout(&succeeded(
+        bench.run("modes specs/carriages/gantry_arm.toml --at=-1,0.35 --count 2"),
+    ));
+    assert!(text.contains("the carriage is held at 0"), "{text}");
+}

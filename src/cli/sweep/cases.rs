@@ -134,7 +134,7 @@ impl<'a> Cases<'a> {
             Some((_, torques)) => {
                 SweepKind::Played { joints: torques.len(), slides: first.arm.joint().slides() }
             }
-            None => SweepKind::of_links(&first.links()),
+            None => SweepKind::of_arm(&first.arm),
         };
         Ok(Self {
             plan,
@@ -200,7 +200,8 @@ impl<'a> Cases<'a> {
                 format!("links = {links}, but must be {must}, as many as in the first case");
             return Err(Failure::new(Exit::InputRefused, &message, None));
         }
-        let [slides, first_slides] = [&read.arm, &self.first.arm].map(|arm| arm.joint().slides());
+        let [slides, first_slides] = [&read.arm, &self.first.arm]
+            .map(|arm| (arm.joint().slides(), arm.carriage().is_some()));
         if slides != first_slides {
             let message =
                 "the link changes between hub and carriage, but must keep that of the first case";

@@ -37,12 +37,12 @@ pub(super) const JOINT_RATES: [Quantity; 9] = nine(
     quantity("", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]),
 );
 
-/// The joints of a table: their number, and whether the joint of one link slides. A number alone means hubs.
+/// The joints of a table: their number, and whether a carriage slides. A number alone means hubs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Joints {
     /// Number of links.
     pub links: usize,
-    /// True for a link on a carriage.
+    /// True for a link or an arm on a carriage.
     pub slides: bool,
 }
 
@@ -54,7 +54,7 @@ impl From<usize> for Joints {
 
 impl From<&Arm> for Joints {
     fn from(arm: &Arm) -> Self {
-        Self { links: arm.links().len(), slides: arm.joint().slides() }
+        Self { links: arm.links().len(), slides: arm.joints().any(|joint| joint.slides()) }
     }
 }
 

@@ -7,7 +7,7 @@ use std::io::Write;
 
 use super::format::{Reading, TableFormat};
 use super::heading::{
-    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, PATH_X, PATH_Y, Quantity, TIME, VELOCITY,
+    ACCELERATION, ANGLE, ANGLES, CARRIAGE, DISPLACEMENT, PATH_X, PATH_Y, Quantity, TIME, VELOCITY,
 };
 use super::input::{BY_HEADINGS, Place, TableError};
 use super::motion_columns::{motion_columns, path_columns, take_angle};
@@ -278,8 +278,9 @@ fn path_samples(samples: &mut Samples, lengths_m: &[f64]) -> Sampled {
     };
     let tip = column(PATH_X).zip(column(PATH_Y)).map(|(x, y)| [x, y]);
     let angles = ANGLES.map(&mut column).into();
+    let carriage = column(CARRIAGE);
     let time_s = samples.take(TIME).unwrap_or_default();
-    let columns = PathColumns { time_s, tip, angles };
+    let columns = PathColumns { time_s, tip, angles, carriage };
     Sampled::Path { columns, lengths_m: lengths_m.to_vec() }
 }
 
@@ -372,8 +373,8 @@ pub fn write_trajectory(
     write_over_time(out, ("time", &columns.time_s), &groups, digits)
 }
 
-/// Writes a path in the form of [`read_motion_table_as`]: the time, x and y of the tip and directions of the links if
-/// present, all in SI.
+/// Writes a path in the form of [`read_motion_table_as`]: the time, and x and y of the tip, directions of the links and
+/// places of the carriage if present, all in SI.
 ///
 /// # Errors
 /// Those of `out`.
@@ -387,7 +388,8 @@ pub fn write_path(
     }
     let tip = columns.tip.iter().flatten().map(column).collect();
     let angles = columns.angles.iter().flatten().map(column).collect();
-    let groups = [tip, angles].map(|columns| ColumnGroup { columns });
+    let carriage = columns.carriage.iter().map(column).collect();
+    let groups = [tip, angles, carriage].map(|columns| ColumnGroup { columns });
     write_over_time(out, ("time", &columns.time_s), &groups, digits)
 }
 

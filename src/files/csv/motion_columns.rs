@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::columns::{Beside, Columns, Header};
 use super::heading::{
-    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, PATH_X, PATH_Y, Quantity, Spelling, TIME, VELOCITY,
-    Vocabulary, joined, names, nearest, refuse_missing,
+    ACCELERATION, ANGLE, ANGLES, CARRIAGE, DISPLACEMENT, PATH_X, PATH_Y, Quantity, Spelling, TIME,
+    VELOCITY, Vocabulary, joined, names, nearest, refuse_missing,
 };
 use super::input::{Place, TableError, quoted};
 use super::samples::{Samples, refuse_samples};
@@ -32,7 +32,7 @@ const PLACES: Vocabulary = Vocabulary {
 
 /// Names of an arm's path.
 const PATH: Vocabulary = Vocabulary {
-    quantities: &joined::<12>(&[&[TIME, PATH_X, PATH_Y], &ANGLES]),
+    quantities: &joined::<13>(&[&[TIME, PATH_X, PATH_Y], &ANGLES, &[CARRIAGE]]),
     prefix: "tip_",
     example: "time,x,y",
     choice: None,

@@ -10,8 +10,8 @@ use super::value::{AlongAxes, Count, Elements, Si, Unbounded};
 use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
 use crate::link::{
-    Carriage, Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload,
-    in_unit_interval,
+    Carriage, Damping, Drive, Gravity, Hub, Joint, Link, LinkParts, LumpedMass, ParameterError,
+    Payload, in_unit_interval,
 };
 use crate::result::{Limits, Remark};
 
@@ -66,6 +66,12 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
         let message = "must not be there beside [carriage], which takes the place of the hub";
         return Err(Fault::on("hub", message));
     }
+    if raw.carriage.as_ref().is_some_and(|own| own.axis.is_some()) {
+        let message =
+            "is for an arm of two links or more: one link slides across its own direction";
+        let hint = "start_angle = \"90 deg\" is an upright link, whose carriage moves along x";
+        return Err(Fault::on("carriage.axis", message).hinting(hint.to_owned()));
+    }
     let of_hub = raw.hub.as_ref().and_then(|hub| hub.root_stiffness.as_ref());
     let of_carriage = raw.carriage.as_ref().and_then(|own| own.root_stiffness.as_ref());
     let slides = raw.carriage.is_some();
@@ -119,7 +125,7 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
     let tolerance = raw.mesh.tolerance.unwrap_or(MeshPlan::DEFAULT_TOLERANCE);
     let mesh = MeshPlan::new(&link, &own_elements, count, tolerance)?;
     let analysis = analysis(&raw.analysis)?;
-    let limits = limits(&raw.limits, &link)?;
+    let limits = limits(&raw.limits, &link.joint(), link.drive())?;
     Ok(LinkKeys { link, mesh, analysis, limits, remarks })
 }
 
@@ -154,8 +160,11 @@ fn drive(raw: &RawDrive, slides: bool) -> Result<Drive, Fault> {
 }
 
 /// The limits of a link by the keys of its joint.
-fn limits(raw: &RawLimits, link: &Link) -> Result<Limits, Fault> {
-    let joint = link.joint();
+pub(super) fn limits(
+    raw: &RawLimits,
+    joint: &Joint,
+    drive: Option<&Drive>,
+) -> Result<Limits, Fault> {
     let of_joint = |(key, limit): &(&'static str, f64)| {
         let pair = OF_CARRIAGE.iter().find(|(own, of_hub, _)| own == key || of_hub == key);
         let Some((own, of_hub, _)) = pair else { return Ok((*key, *limit)) };
@@ -171,7 +180,7 @@ fn limits(raw: &RawLimits, link: &Link) -> Result<Limits, Fault> {
         let [parameter, found] = [&error.parameter, &error.found].map(|text| joint.worded(text));
         ParameterError { parameter, found, ..error }
     };
-    let limits = Limits::new(limits).and_then(|limits| limits.check(link.drive()));
+    let limits = Limits::new(limits).and_then(|limits| limits.check(drive));
     Ok(limits.map_err(worded)?)
 }
 

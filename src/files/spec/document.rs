@@ -2,16 +2,16 @@
 
 use serde::Deserialize;
 
-use super::convert::{LinkKeys, link_keys};
+use super::convert::{LinkKeys, limits, link_keys};
 use super::error::{Fault, SpecError};
 use super::overrides::{Override, apply};
-use super::raw::{RawAnalysis, RawMesh};
+use super::raw::{RawAnalysis, RawCarriage, RawLimits, RawMesh};
 use super::tree::{Kind, Node, Place};
 use super::value::{AlongAxes, Angle, tables};
 use crate::beam::MeshPlan;
 use crate::inverse::Analysis;
-use crate::link::{Arm, ArmLink, ArmParts, Elbow, Link};
-use crate::result::{Limits, Remark};
+use crate::link::{Arm, ArmCarriage, ArmLink, ArmParts, Carriage, Elbow, Joint, Link};
+use crate::result::{JointQuantity, Limits, Remark};
 
 /// Keys that an arm has once, for all its links.
 pub(super) const SHARED: [&str; 2] = ["mesh", "analysis"];
@@ -57,6 +57,8 @@ struct RawArm {
     #[serde(rename = "start_angle")]
     _start_angle: Option<Angle>,
     elbow: Option<Elbow>,
+    carriage: Option<RawCarriage>,
+    limits: Option<RawLimits>,
     #[serde(deserialize_with = "tables")]
     links: Vec<RawArmLink>,
     #[serde(rename = "mesh")]
@@ -171,6 +173,11 @@ pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
         if raw.elbow.is_some() {
             return Err(Fault::new("elbow", "elbow has no meaning for an arm of one link"));
         }
+        let given = [("carriage", raw.carriage.is_some()), ("limits", raw.limits.is_some())];
+        if let Some((key, _)) = given.iter().find(|(_, is_given)| *is_given) {
+            let message = "has no meaning above one link: it is a key of the link";
+            return Err(Fault::on(*key, message));
+        }
         return read(0).map(of_one_link);
     }
     if tree.get("start_angle").is_some() {
@@ -182,20 +189,53 @@ pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
     let names = raw.links.into_iter().map(|link| link.name);
     let analysis = each[0].analysis;
     let (mut links, mut meshes) = (Vec::new(), Vec::new());
-    let (mut limits, mut remarks) = (Vec::new(), Vec::new());
+    let (mut all_limits, mut remarks) = (Vec::new(), Vec::new());
     for (own, name) in each.into_iter().zip(names) {
         links.push(ArmLink { name, link: own.link });
         meshes.push(own.mesh);
-        limits.push(own.limits);
+        all_limits.push(own.limits);
         remarks.extend(own.remarks);
+    }
+    let carriage = raw.carriage.as_ref().map(carriage).transpose()?;
+    match (carriage, raw.limits) {
+        (Some(own), of_carriage) => all_limits.push(carriage_limits(own, of_carriage)?),
+        (None, Some(_)) => {
+            let message = "are keys of each link: above the links only [carriage] has limits";
+            return Err(Fault::new("limits", format!("limits {message}")));
+        }
+        (None, None) => {}
     }
     let arm = Arm::new(ArmParts {
         title: raw.title.unwrap_or_default(),
         links,
         gravity_m_s2: raw.gravity.map_or([0.0; 2], |AlongAxes(gravity)| gravity),
         elbow: raw.elbow,
+        carriage,
     })?;
-    Ok(Specification { arm, meshes, analysis, limits, remarks, lines })
+    Ok(Specification { arm, meshes, analysis, limits: all_limits, remarks, lines })
+}
+
+/// The carriage of an arm.
+fn carriage(raw: &RawCarriage) -> Result<ArmCarriage, Fault> {
+    if raw.root_stiffness.is_some() {
+        let message = "is for one link: the first joint of an arm stands on the carriage";
+        return Err(Fault::on("carriage.root_stiffness", message));
+    }
+    let (mass_kg, viscous_friction_n_s_m) = (raw.mass.si(), raw.viscous_friction.si());
+    let carriage = Carriage { mass_kg, viscous_friction_n_s_m };
+    Ok(ArmCarriage { carriage, axis: raw.axis.unwrap_or([1.0, 0.0]) })
+}
+
+/// Limits of the carriage of an arm.
+fn carriage_limits(own: ArmCarriage, raw: Option<RawLimits>) -> Result<Limits, Fault> {
+    let raw = raw.unwrap_or_default();
+    let is_of_link =
+        |key: &str| JointQuantity::of_limit(key).is_some_and(JointQuantity::is_of_link);
+    if let Some((key, _)) = raw.0.iter().find(|(key, _)| is_of_link(key)) {
+        let message = "is a limit of a link: set it in [[links]]";
+        return Err(Fault::on(format!("limits.{key}"), message));
+    }
+    limits(&raw, &Joint::Prismatic(own.carriage), None)
 }
 
 /// A link is an arm of one link.

@@ -47,7 +47,7 @@ pub(super) struct RawSpecification {
     pub(super) segments: Vec<RawSegment>,
     /// Hub, which the motor turns.
     pub(super) hub: Option<RawHub>,
-    /// Carriage, which the motor pushes across the link, in place of a hub.
+    /// Carriage, which the motor pushes across the link, in place of a hub; of an arm, below its first joint.
     pub(super) carriage: Option<RawCarriage>,
     /// Place on the link whose motion is given.
     #[serde(default)]
@@ -185,6 +185,8 @@ pub(super) struct RawCarriage {
     /// Viscous friction of the guide.
     #[schemars(transform = at_least_zero, extend("default" = 0))]
     pub(super) viscous_friction: SlidingFriction,
+    /// Direction along x and y of the rail of an arm's carriage, [1, 0] by default; its length does not matter.
+    pub(super) axis: Option<[f64; 2]>,
     /// Stiffness of a rotational spring between carriage and link; inf, the default, clamps the root.
     #[schemars(transform = above_zero)]
     pub(super) root_stiffness: Option<Unbounded>,

@@ -65,7 +65,12 @@ fn with_arms(schema: &mut Schema) {
     let refused = |keys: &mut dyn Iterator<Item = &String>| -> Value {
         keys.map(|key| (key.clone(), json!(false))).collect::<Map<_, _>>().into()
     };
-    let above_links = refused(&mut of_link.keys());
+    // The carriage of an arm, with its limits, stands above the links.
+    let mut above_links = refused(&mut of_link.keys().filter(|key| *key != "limits"));
+    above_links["carriage"] = json!({ "properties": { "root_stiffness": false } });
+    if let Some(carriage) = of_link["carriage"]["properties"].as_object_mut() {
+        carriage.remove("axis");
+    }
     let described = |mut schema: Value, text: &str| {
         schema["description"] = text.into();
         schema
@@ -87,7 +92,11 @@ fn with_arms(schema: &mut Schema) {
     keys.insert("elbow".into(), described(json!({ "enum": ["left", "right"] }), side));
     schema.insert("if".into(), json!({ "required": ["links"] }));
     schema.insert("then".into(), json!({ "properties": above_links, "allOf": by_count() }));
-    let of_one = json!({ "required": ["segments"], "properties": { "elbow": false } });
+    let carriage = json!({ "properties": { "axis": false } });
+    let of_one = json!({
+        "required": ["segments"],
+        "properties": { "elbow": false, "carriage": carriage },
+    });
     schema.insert("else".into(), of_one);
 }
 
@@ -97,12 +106,13 @@ fn by_count() -> Vec<Value> {
     let of = |count: usize| {
         let mut links = vec![json!({ "properties": { "payload": false } }); count - 1];
         links.push(json!({ "properties": { "tip": false } }));
-        let key = if count == 1 { "elbow" } else { "start_angle" };
+        let keys = if count == 1 { &["elbow", "carriage", "limits"][..] } else { &["start_angle"] };
         let counted = json!({ "links": { "minItems": count, "maxItems": count } });
-        json!({
-            "if": { "properties": counted },
-            "then": { "properties": { "links": { "items": links }, key: false } },
-        })
+        let mut then = json!({ "links": { "items": links } });
+        for key in keys {
+            then[*key] = false.into();
+        }
+        json!({ "if": { "properties": counted }, "then": { "properties": then } })
     };
     (1..=MOST_LINKS).map(of).collect()
 }

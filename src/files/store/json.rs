@@ -111,7 +111,7 @@ pub fn read_state(name: &str, bytes: &[u8], links: usize) -> Result<State, Table
         return Ok(parsed::<StateRecord<State>>(bytes, whole, &as_written())?.state);
     }
     let link = parsed::<StateRecord<LinkState>>(bytes, whole, &as_written())?.state;
-    Ok(State { links: vec![link] })
+    Ok(State { links: vec![link], carriage: None })
 }
 
 /// The last key before a line and column of a record, if there is one.

@@ -7,7 +7,7 @@ use std::num::NonZeroUsize;
 use crate::beam::{nearest_node, node_at};
 use crate::csv::Digits;
 use crate::inverse::{NodalTable, Solution};
-use crate::link::{Link, ParameterError};
+use crate::link::{Arm, Link, ParameterError};
 use crate::numeric::{ThinnedGrid, TimeGrid};
 use crate::response::Played;
 
@@ -143,6 +143,8 @@ pub(super) static ANGLE: JointFile = JointFile::new(
         ["", "", ROOT_MOMENT],
     ],
 );
+/// Files of the carriage of an arm, besides those of its joints.
+pub(super) static OF_CARRIAGE: [&JointFile; 3] = [&TORQUE, &RIGID_TORQUE, &ANGLE];
 /// Motors of joints with a drive.
 pub(super) static MOTOR: JointFile = JointFile::new(
     ["motor.csv"; 3],
@@ -337,10 +339,9 @@ impl Default for RunOutputs {
 
 impl RunOutputs {
     /// Names of the files of a solution, summary.json last.
-    pub(super) fn files<'a>(&self, links: impl IntoIterator<Item = &'a Link>) -> Vec<&'static str> {
-        let links: Vec<&Link> = links.into_iter().collect();
-        let (form, has_drive) =
-            (Form::of(links.iter().copied()), links.iter().any(|link| link.drive().is_some()));
+    pub(super) fn files(&self, arm: &Arm) -> Vec<&'static str> {
+        let links = || arm.links().iter().map(|own| &own.link);
+        let (form, has_drive) = (Form::of(links()), links().any(|link| link.drive().is_some()));
         let is_written = |name: &&str| match *name {
             name if name == MOTOR.name(form) => has_drive,
             name if name == DEFLECTIONS.name(form) => self.deflections,
@@ -348,7 +349,11 @@ impl RunOutputs {
             _ => true,
         };
         let files = solved_files(form).filter(is_written);
-        files.filter(|name| self.has(name, form)).chain([SUMMARY]).collect()
+        let of_carriage = OF_CARRIAGE.iter().filter(|_| arm.carriage().is_some());
+        let of_carriage = of_carriage.map(|file| file.name(Form::Carriage));
+        let of_carriage = of_carriage.filter(|name| self.has(name, Form::Carriage));
+        let files = files.filter(|name| self.has(name, form));
+        files.chain(of_carriage).chain([SUMMARY]).collect()
     }
 
     /// False for a file without a name in this form, and for one that a golden folder lacks.

@@ -9,8 +9,8 @@ use serde_json::Value;
 use super::json::newer;
 use super::names::RunOutputs;
 use super::names::{
-    ANGLE, DEFLECTIONS, Form, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, RIGID,
-    RIGID_TORQUE, ROOT_MOMENT, SUMMARY, TIP, TORQUE,
+    ANGLE, DEFLECTIONS, Form, JointFile, MOMENTS, MOTOR, NODES, NodalFile, OF_CARRIAGE, PLACES,
+    RIGID, RIGID_TORQUE, ROOT_MOMENT, SUMMARY, TIP, TORQUE,
 };
 use super::read_tables::{
     RunFolder, TIME, Table, check_window, deflections, read_nodal, read_nodes, times_s,
@@ -23,7 +23,8 @@ use crate::inverse::NodalTable;
 use crate::link::{Drive, Link, POSITION_TOLERANCE};
 use crate::motion::{Prescribed, TipMotionHistories};
 use crate::result::{
-    StoredArc, StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredRun, StoredTarget,
+    StoredArc, StoredCarriage, StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredRun,
+    StoredTarget,
 };
 
 /// Number of the first column of a joint: a torque, or in [`ANGLE`] its angle.
@@ -34,6 +35,14 @@ const ACCELERATION: usize = 2;
 const RIGID_ANGLE: usize = 3;
 /// Number of the column with a motor's rate, in [`MOTOR`].
 const MOTOR_RATE: usize = 2;
+
+/// Number of columns of [`ANGLE`] of an arm's carriage.
+const OF_ARM: usize = 3;
+
+/// True for an arm on a carriage.
+fn has_carriage(summary: &Summary) -> bool {
+    summary.is_of_arm() && summary.values["arm"]["carriage"].is_object()
+}
 
 /// Histories by file and column.
 type Histories = BTreeMap<(&'static str, String), Vec<f64>>;
@@ -116,7 +125,18 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
             tables.push((file, columns, table));
         }
     }
-    let histories = tables.into_iter().flat_map(|(file, columns, mut table)| {
+    let mut tables: Vec<_> = tables.into_iter().map(|own| (form, own)).collect();
+    if has_carriage(summary) {
+        let form = Form::Carriage;
+        for file in OF_CARRIAGE {
+            let mut columns = file.columns(form, &[0]);
+            columns.truncate(OF_ARM);
+            let table = Table::of(&folder.file(file.name(form))?, &columns)?;
+            table.check_times(times, 1)?;
+            tables.push((form, (file, columns, table)));
+        }
+    }
+    let histories = tables.into_iter().flat_map(|(form, (file, columns, mut table))| {
         let history = move |name: String| ((file.name(form), name.clone()), table.take(&name));
         columns.into_iter().map(history)
     });
@@ -188,9 +208,10 @@ impl Parts {
         Form::of(self.links.iter().map(|(_, link)| link))
     }
 
-    /// Moves a history out: of a joint, from a column by its number.
+    /// Moves a history out: of a joint, or of the carriage after the last joint, from a column by its number.
     fn take(&mut self, file: &JointFile, joint: usize, column: usize) -> Option<Vec<f64>> {
-        let form = self.form();
+        let links = self.links.len();
+        let (form, joint) = if joint < links { (self.form(), joint) } else { (Form::Carriage, 0) };
         self.histories.remove(&(file.name(form), file.column(form, joint, column)))
     }
 
@@ -199,7 +220,7 @@ impl Parts {
         self.nodal.remove(file.name(self.form())).unwrap_or_default()
     }
 
-    /// Moves the histories of a joint out, and adds its numbers from the summary, whose file is `place`.
+    /// Moves the histories of a joint, or of the carriage after the last joint, out, and adds its numbers from the summary, whose file is `place`.
     fn joint(
         &mut self,
         k: usize,
@@ -213,8 +234,9 @@ impl Parts {
         let (prefix, [results, errors, limits]) = if is_alone {
             (String::new(), [results, errors, limits])
         } else {
-            let prefix = format!("joints.{k}.");
-            (prefix, [&results["joints"][k], &errors["joints"][k], &limits[k]])
+            let [results, errors] = [results, errors]
+                .map(|own| if k < self.links.len() { &own["joints"][k] } else { &own["carriage"] });
+            (format!("joints.{k}."), [results, errors, &limits[k]])
         };
         // A solution has both numbers of each joint, null without one.
         for key in ["lead_s", "lag_s"].into_iter().filter(|_| summary.is_solved()) {
@@ -270,6 +292,14 @@ impl Parts {
         let values = &summary.values;
         let joints = (0..self.links.len()).map(|k| self.joint(k, summary, place));
         let joints = joints.collect::<Result<Vec<_>, _>>()?;
+        let carriage = has_carriage(summary).then(|| {
+            let joint = self.joint(self.links.len(), summary, place)?;
+            let axis = serde_json::from_value(values["arm"]["carriage"]["axis"].clone());
+            let axis =
+                axis.map_err(|error| place.refuse_whole(&format!("arm.carriage.axis: {error}")))?;
+            Ok(StoredCarriage { joint, axis })
+        });
+        let carriage = carriage.transpose()?;
         let arc = self.arc(&joints[0], summary);
         let time_s = |key: &str| summary.number("motion", key, place);
         let moving_s = || Ok((time_s("moves_from_s")?, time_s("moves_until_s")?));
@@ -298,6 +328,7 @@ impl Parts {
             origin: summary.origin(),
             name: self.name,
             joints,
+            carriage,
             links: links.collect(),
             arc,
             nodal_times_s: nodal_times_s.unwrap_or_default(),
@@ -371,6 +402,7 @@ impl RunOutputs {
         let count = tables.links.len();
         let mut histories = Histories::new();
         for table in &tables.histories {
+            let form = table.form;
             // A page reads no other tables over time.
             let is_shown = [&TORQUE, &RIGID_TORQUE, &ANGLE, &TIP, &MOTOR]
                 .iter()

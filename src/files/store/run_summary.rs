@@ -111,7 +111,7 @@ impl Summary {
         let exceeded = findings.exceeded.iter().map(Notice::from);
         let warnings = solution.warnings.iter().map(Notice::from).chain(exceeded);
         let remarks = findings.remarks.iter().map(Notice::from);
-        let files = outputs.files(arm.links().iter().map(|own| &own.link)).into_iter();
+        let files = outputs.files(arm).into_iter();
         Self {
             values,
             drive: arm
@@ -223,10 +223,16 @@ fn solution_values(solution: &Solution, metrics: &Metrics) -> Value {
     values["analysis"] = analysis_values(solution);
     values["results"] = match &metrics.joints[..] {
         [hub] => joint_record(&arm.joint(), hub).into(),
-        joints => json!({
-            "farthest_m": solution.tip_travel_m(),
-            "joints": joints.iter().zip(arm.links()).map(|(own, link)| joint_record(&link.link.joint(), own)).collect::<Vec<_>>(),
-        }),
+        joints => {
+            let mut records: Vec<_> =
+                joints.iter().zip(arm.joints()).map(|(own, of)| joint_record(&of, own)).collect();
+            let carriage = records.split_off(links.len()).pop();
+            let mut results = json!({ "farthest_m": solution.tip_travel_m(), "joints": records });
+            if let Some(own) = carriage {
+                results["carriage"] = own.into();
+            }
+            results
+        }
     };
     let tip = solution.expected_tip_error();
     values["errors"] = match &joints[..] {
@@ -235,8 +241,15 @@ fn solution_values(solution: &Solution, metrics: &Metrics) -> Value {
             renamed(&arm.joint(), json!(errors))
         }
         joints => {
+            let (joints, carriage) = joints.split_at(links.len());
             let joints: Vec<_> = joints.iter().map(|joint| &joint.errors).collect();
-            json!({ "tip": tip, "joints": joints })
+            let mut errors = json!({ "tip": tip, "joints": joints });
+            if let ([own], Some(of)) = (carriage, arm.joints().last()) {
+                let errors_of =
+                    PerQuantity { displacement: None, bending_moment: None, ..own.errors };
+                errors["carriage"] = renamed(&of, json!(errors_of));
+            }
+            errors
         }
     };
     values
@@ -301,9 +314,11 @@ fn store_gravity(values: &mut Value, arm: &Arm, reports_weight: bool) {
 
 /// Stores the limits of a single link, or of each joint, if there are any.
 fn store_limits(values: &mut Value, limits: &[Limits], arm: &Arm) {
-    let stored: Vec<Option<Value>> = limits.iter().map(Limits::stored).collect();
+    let stored = limits.iter().zip(arm.joints());
+    let stored = stored.map(|(limits, joint)| Some(renamed(&joint, limits.stored()?)));
+    let stored: Vec<Option<Value>> = stored.collect();
     match &stored[..] {
-        [Some(own)] => values["limits"] = renamed(&arm.joint(), own.clone()),
+        [Some(own)] => values["limits"] = own.clone(),
         several if several.iter().any(Option::is_some) => values["limits"] = json!(several),
         _ => {}
     }
@@ -326,27 +341,32 @@ fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -> Value {
             "drive": own.link.drive(),
         })
     });
-    json!({
+    let mut record = json!({
         "length_m": arm.length_m(),
         "gravity_m_s2": arm.gravity_m_s2(),
         "elbow": arm.elbow(),
         "links": links.collect::<Vec<Value>>(),
-    })
+    });
+    if let Some(carriage) = arm.carriage() {
+        record["carriage"] = json!(carriage);
+    }
+    record
 }
 
 /// The numbers of a hub, or of a joint with its angles at the ends; null for a motion without the number.
 fn joint_record(of: &Joint, joint: &JointMetrics) -> Map<String, Value> {
+    // A cycle has neither lead nor lag.
     let is_there = |quantity: &JointQuantity| {
-        let is_of_station = quantity.name == "peak_free_end_from_rigid";
-        (joint.motor.is_some() || !quantity.is_of_motor)
-            && (joint.peak_free_end_from_rigid_m.is_some() || !is_of_station)
+        (quantity.of)(joint).is_some() || ["lead", "lag"].contains(&quantity.name)
     };
     let mut record =
         by_name(of, |quantity| is_there(quantity).then(|| (quantity.of)(joint).into()));
     if joint.joint.is_some() {
         let [start_rad, end_rad] = joint.end_angles_rad;
-        record.insert("start_angle_rad".to_owned(), start_rad.into());
-        record.insert("end_angle_rad".to_owned(), end_rad.into());
+        let [start, end] =
+            if of.slides() { ["start_m", "end_m"] } else { ["start_angle_rad", "end_angle_rad"] };
+        record.insert(start.to_owned(), start_rad.into());
+        record.insert(end.to_owned(), end_rad.into());
     }
     record
 }

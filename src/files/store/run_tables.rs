@@ -9,8 +9,9 @@ use rayon::prelude::*;
 
 use super::folder::{FolderError, OutputFolder};
 use super::names::{
-    ANGLE, CHORD, DEFLECTIONS, FORCE, Form, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES,
-    REPORT, RIGID_TORQUE, RunOutputs, SUMMARY, TIP, TIP_ERROR, TORQUE, node_columns, result_files,
+    ANGLE, CHORD, DEFLECTIONS, FORCE, Form, JointFile, MOMENTS, MOTOR, NODES, NodalFile,
+    OF_CARRIAGE, PLACES, REPORT, RIGID_TORQUE, RunOutputs, SUMMARY, TIP, TIP_ERROR, TORQUE,
+    node_columns, result_files,
 };
 use super::run_summary::{Findings, PlayedRun};
 use super::summary::{RunInputs, Summary};
@@ -39,6 +40,8 @@ pub struct RunTables<'a> {
 /// without a drive lacks all of them.
 pub(super) struct Histories<'a> {
     pub(super) file: &'static JointFile,
+    /// Form of its names.
+    pub(super) form: Form,
     pub(super) grid: &'a TimeGrid,
     pub(super) joints: Vec<Columns<'a>>,
 }
@@ -89,17 +92,18 @@ fn motor(motor: Option<&MotorHistories>) -> Columns<'_> {
 /// The tables of these files that have a column.
 fn tables<'a>(
     grid: &'a TimeGrid,
+    form: Form,
     files: impl IntoIterator<Item = (&'static JointFile, Vec<Columns<'a>>)>,
 ) -> Vec<Histories<'a>> {
-    let tables = files.into_iter().map(|(file, joints)| Histories { file, grid, joints });
+    let tables = files.into_iter().map(|(file, joints)| Histories { file, form, grid, joints });
     tables.filter(|table| table.joints.iter().any(|columns| !columns.is_empty())).collect()
 }
 
 /// The table of a wanted tip.
-fn wanted(target: Option<&FollowedTarget>) -> Option<Histories<'_>> {
+fn wanted(target: Option<&FollowedTarget>, form: Form) -> Option<Histories<'_>> {
     let FollowedTarget { grid, wanted_m, error_m, .. } = target?;
     let all = wanted_m.iter().chain([error_m]).map(|history| Cow::from(&history[..]));
-    Some(Histories { file: &TIP_ERROR, grid, joints: vec![all.collect()] })
+    Some(Histories { file: &TIP_ERROR, form, grid, joints: vec![all.collect()] })
 }
 
 /// A link on its mesh. The name of an unnamed segment is its number.
@@ -178,7 +182,7 @@ impl<'a> RunTables<'a> {
     ) -> Result<Self, ParameterError> {
         let Solution { arm, grid, joints, links, tip, .. } = solution;
         let mut files = [(); 5].map(|()| Vec::new());
-        for (number, joint) in joints.iter().enumerate() {
+        for (number, joint) in joints.iter().enumerate().take(links.len()) {
             let mut angles = columns([&joint.angle_rad, &joint.rate_rad_s, &joint.rigid_angle_rad]);
             angles.insert(2, solution.acceleration_rad_s2(number));
             if arm.links()[number].link.joint().slides() {
@@ -202,7 +206,19 @@ impl<'a> RunTables<'a> {
         let tips = motions.into_iter().flat_map(|of| tip.iter().map(move |tip| Cow::from(of(tip))));
         let files = [&TORQUE, &RIGID_TORQUE, &ANGLE, &MOTOR, &FORCE].into_iter().zip(files);
         let files = files.chain([(&CHORD, chords.collect()), (&TIP, vec![tips.collect()])]);
-        let histories = tables(grid, files);
+        let form = Form::of(arm.links().iter().map(|own| &own.link));
+        let mut histories = tables(grid, form, files);
+        if let Some(own) = joints.get(links.len()) {
+            let places = [
+                &own.angle_rad,
+                &own.rate_rad_s,
+                own.acceleration_rad_s2.as_ref().unwrap_or(&own.rate_rad_s),
+            ];
+            let columns =
+                [columns([&own.torque_n_m]), columns([&own.rigid_torque_n_m]), columns(places)];
+            let files = OF_CARRIAGE.into_iter().zip(columns.map(|own| vec![own]));
+            histories.extend(tables(grid, Form::Carriage, files));
+        }
         if let [link] = &links[..] {
             return Ok(Self {
                 histories,
@@ -264,12 +280,13 @@ impl<'a> RunTables<'a> {
             }
         }
         let times = grid.thinned(outputs.every);
+        let form = Form::of(arm.links().iter().map(|own| &own.link));
         let (links, mesh) = match (arm.links(), &links[..]) {
             ([own], [link]) => (on_mesh(&own.link, &link.mesh), Some(&link.mesh)),
             _ => (of_links(arm, links.iter().map(|link| link.mesh.nodes_m())), None),
         };
         Ok(Self {
-            histories: tables(grid, files).into_iter().chain(wanted(target)).collect(),
+            histories: tables(grid, form, files).into_iter().chain(wanted(target, form)).collect(),
             nodal: vec![NodalColumns { file: &PLACES, times, columns: all }],
             on_request: None,
             links,
@@ -332,7 +349,7 @@ impl RunOutputs {
     ) -> Result<(), FolderError> {
         let RunTables { histories, nodal, on_request, links: nodes, .. } = tables;
         let form = Form::of(nodes.iter().map(|own| own.link));
-        let history = |own: &Histories| self.write_history(&folder, own, form);
+        let history = |own: &Histories| self.write_history(&folder, own);
         let column = |own: &NodalColumns| {
             folder.file(own.file.name(form), |out| {
                 let columns = own.columns.iter().map(|column| Column {
@@ -348,7 +365,7 @@ impl RunOutputs {
             || on_request.map_or(Ok(()), |table| self.write_on_request(&folder, table, watch)),
             || {
                 let written =
-                    histories.par_iter().filter(|own| self.has(own.file.name(form), form));
+                    histories.par_iter().filter(|own| self.has(own.file.name(own.form), own.form));
                 // Collects all results first, so that of two errors the first file's is always returned.
                 let written: Vec<_> =
                     written.map(history).chain(nodal.par_iter().map(column)).collect();
@@ -367,9 +384,9 @@ impl RunOutputs {
     fn write_history(
         &self,
         folder: &OutputFolder,
-        Histories { file, grid, joints }: &Histories,
-        form: Form,
+        Histories { file, form, grid, joints }: &Histories,
     ) -> Result<(), FolderError> {
+        let form = *form;
         let times = self.rows(grid);
         let columns = (0..).zip(joints).flat_map(|(joint, columns)| {
             let named = (0..).zip(columns);

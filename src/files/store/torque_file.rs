@@ -142,7 +142,10 @@ impl TorqueFile<'_> {
             1 => Form::Hub,
             _ => Form::Arm,
         };
-        let name = |k: usize| TORQUE.column(form, k, 0);
+        let name = |k: usize| {
+            let is_carriage = self.table.has_carriage() && k + 1 == columns.len();
+            TORQUE.column(if is_carriage { Form::Carriage } else { form }, k, 0)
+        };
         let columns =
             columns.iter().enumerate().map(|(k, values)| Column { name: name(k), values });
         let group = ColumnGroup { columns: columns.collect() };
@@ -233,6 +236,9 @@ impl TorqueFile<'_> {
         match self.table.torques_n_m().len() {
             1 if self.slides() => "Force on the carriage in N",
             1 => "Torque at the hub in N m",
+            _ if self.table.has_carriage() => {
+                "Torque at each joint in N m, the inner one first, then the force on the carriage in N"
+            }
             _ => "Torque at each joint in N m, the inner one first",
         }
     }

@@ -99,6 +99,7 @@ pub(crate) fn follow_arm_at(
             |found, narrower| {
                 found.iteration.error +=
                     follower.largest_change(&found.torques_n_m, &narrower.torques_n_m);
+                found.iteration.reaction_n += found.state.reaction_apart_n(&narrower.state);
                 found.others.push((narrower.answers, 1.0));
             },
         )
@@ -242,17 +243,21 @@ impl Follower<'_> {
             let slower = if self.models.len() > 1 { factor.max(last_factor) } else { factor };
             let mut error = further(change, slower);
             if iterations >= fewest && error <= tolerance {
+                let apart_n = previous.state.reaction_apart_n(&latest.state);
+                let mut reaction_n = further(apart_n, slower);
                 if matches!(until, Until::Within(_)) && self.models.len() > 1 {
                     // One sweep that moves the chords at more frequencies.
                     let reach = (&pair, band, REACH * linear_band(BEYOND * negligible));
                     let wider = self.swept(linear, &latest.answers, reach);
                     let wider = wider.map_err(|error| diverges(error, change))?;
                     error += self.largest_change(&wider.torques_n_m, &latest.torques_n_m);
+                    reaction_n += wider.state.reaction_apart_n(&latest.state);
                 }
                 let iteration = Iteration {
                     iterations,
                     contraction,
                     error,
+                    reaction_n,
                     second_order_change: second_order(),
                     exceeds_step: REACH * band > resolved(&self.arm.pair),
                 };

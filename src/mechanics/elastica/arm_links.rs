@@ -80,20 +80,31 @@ pub(super) struct Iterate {
 }
 
 impl State {
+    /// Largest change in N of the force on the first link from another state.
+    pub(super) fn reaction_apart_n(&self, other: &Self) -> f64 {
+        let apart = (0..self.forces_n[0][0].len()).map(|k| {
+            let [[ax, ay], [bx, by]] = [self, other].map(|own| own.in_plane_n(0, k));
+            libm::hypot(ax - bx, ay - by)
+        });
+        apart.fold(0.0, Size::larger)
+    }
+
+    /// Force on the inner end of a link at a sample along x and y. `forces_n` begins with this link.
+    fn in_plane_n(&self, link: usize, k: usize) -> [f64; 2] {
+        let ([e, n], [along_n, across_n]) =
+            (axes(self.chords[link].angle_rad[k]), &self.forces_n[0]);
+        [0, 1].map(|axis| along_n[k] * e[axis] + across_n[k] * n[axis])
+    }
+
     /// Stores the force on the inner end of a link, along its chord and across it, and passes it and the torque to the
     /// link before.
     pub(super) fn hand_inward(&mut self, link: usize, forces_n: [Vec<f64>; 2], torque_n_m: &[f64]) {
         self.forces_n.insert(0, forces_n);
-        let axes = |link: usize, k: usize| axes(self.chords[link].angle_rad[k]);
-        let [along_n, across_n] = &self.forces_n[0];
-        let samples = along_n.iter().zip(across_n).enumerate();
-        let forces = samples.map(|(k, (along_n, across_n))| {
-            let [e, n] = axes(link, k);
-            [0, 1].map(|axis| along_n * e[axis] + across_n * n[axis])
-        });
         let Some(before) = link.checked_sub(1) else { return };
-        let on_tip = forces.enumerate().map(|(k, force)| {
-            axes(before, k).map(|unit| -(force[0] * unit[0] + force[1] * unit[1]))
+        let on_tip = (0..torque_n_m.len()).map(|k| {
+            let force = self.in_plane_n(link, k);
+            axes(self.chords[before].angle_rad[k])
+                .map(|unit| -(force[0] * unit[0] + force[1] * unit[1]))
         });
         let (along_n, across_n) = on_tip.map(|[along, across]| (along, across)).unzip();
         let torque_n_m = torque_n_m.to_vec();

@@ -41,6 +41,8 @@ pub struct ArmPeriod {
     pub(super) rigid: Vec<AngleHistories>,
     /// Direction in rad of a link that slides.
     slides_rad: Option<f64>,
+    /// Acceleration of the first axis along x and y in m/s²; empty for a fixed axis.
+    axis_m_s2: Vec<[f64; 2]>,
     kept: Kept,
     /// Fewest samples that resolve the accelerations of links of equal length.
     pub(super) fewest: usize,
@@ -66,8 +68,8 @@ impl ArmPeriod {
             rigid.iter().map(|chord| [0, 1, 2].map(|part| &chord[part][..])).collect();
         let len = check_period(step_s, gravity_m_s2, &columns)?;
         let (pair, fewest) = (FourierPair::new(len), len);
-        let slides_rad = None;
-        let arm = Self { pair, step_s, gravity_m_s2, rigid, slides_rad, kept, fewest };
+        let (slides_rad, axis_m_s2) = (None, Vec::new());
+        let arm = Self { pair, step_s, gravity_m_s2, rigid, slides_rad, axis_m_s2, kept, fewest };
         if kept == Kept::Tip {
             if arm.rigid.len() < 2 {
                 return Err(ElasticaError::OneLink);
@@ -76,15 +78,28 @@ impl ArmPeriod {
                 arm.elbow(sample)?;
             }
         }
-        // One link takes all samples.
-        Ok(if arm.links() > 1 { Self { fewest: arm.resolving(), ..arm } } else { arm })
+        Ok(arm.resolved())
+    }
+
+    /// The period of an arm whose first axis has these accelerations along x and y in m/s², one at each sample.
+    #[must_use]
+    pub fn carried_by(self, axis_m_s2: Vec<[f64; 2]>) -> Self {
+        Self { axis_m_s2, ..self }.resolved()
+    }
+
+    /// Finds the fewest samples that resolve several links. One link takes all samples.
+    fn resolved(self) -> Self {
+        if self.links() > 1 { Self { fewest: self.resolving(), ..self } } else { self }
     }
 
     /// The period of one link that slides across this direction in rad: its angles, rates and accelerations are
     /// displacements in m and their derivatives.
     #[must_use]
     pub fn sliding(self, direction_rad: f64) -> Self {
-        Self { slides_rad: Some(direction_rad), ..self }
+        let [_, across] = axes(direction_rad);
+        let moved = self.rigid[0][2].iter();
+        let axis_m_s2 = moved.map(|own| across.map(|part| own * part)).collect();
+        Self { slides_rad: Some(direction_rad), axis_m_s2, ..self }
     }
 
     /// True if the link slides.
@@ -146,16 +161,15 @@ impl ArmPeriod {
     }
 
     /// Each bar with the acceleration of its inner end along it and across it. Gravity counts as an upward acceleration
-    /// of the first axis. The axis of a link that slides moves as its rigid link.
+    /// of the first axis.
     pub(super) fn carried(
         &self,
         sample: usize,
         bars: impl IntoIterator<Item = Bar>,
     ) -> impl Iterator<Item = (Bar, [f64; 2])> {
         let mut axis = self.gravity_m_s2.map(|part| -part);
-        if let Some(direction_rad) = self.slides_rad {
-            let ([_, across], moved) = (axes(direction_rad), self.rigid[0][2][sample]);
-            axis = [0, 1].map(|part| axis[part] + moved * across[part]);
+        if let Some(moved) = self.axis_m_s2.get(sample) {
+            axis = [0, 1].map(|part| axis[part] + moved[part]);
         }
         bars.into_iter().map(move |bar| {
             let axes = bar.axes();
@@ -179,6 +193,7 @@ impl ArmPeriod {
             pair: FourierPair::new(self.len() / stride),
             step_s: self.step_s * stride as f64,
             rigid: self.rigid.iter().map(|chord| chord.each_ref().map(few)).collect(),
+            axis_m_s2: self.axis_m_s2.iter().copied().step_by(stride).collect(),
             ..*self
         }
     }

@@ -48,6 +48,8 @@ pub struct Iteration {
     /// Estimated change of the torques, each relative to its range, by further iterations and by second-order terms of
     /// neglected frequencies. It exceeds the tolerance if the terms of high frequencies do not converge.
     pub error: f64,
+    /// The same change of the force in N on the inner end of the first link, measured beside the iteration.
+    pub reaction_n: f64,
     /// Largest change of the torques by the second order, each relative to its range; for several links without friction.
     pub second_order_change: f64,
     /// True if second-order terms reach beyond the frequencies that the samples resolve: half the step would change

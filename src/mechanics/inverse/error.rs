@@ -91,6 +91,9 @@ pub enum InversionError {
     /// A path of the tip, which two positions of the elbow can follow.
     #[error("elbow is missing: the second link can reach the path on the left or on the right")]
     NoElbow,
+    /// A path of a carriage that the arm does not have.
+    #[error("carriage is a column of the path, but the arm has no [carriage]")]
+    NoCarriage,
     /// A plan of the mesh for each link.
     #[error("{plans} plans of meshes, but must be {links}, one for each link")]
     Plans {
@@ -265,6 +268,9 @@ impl InversionError {
             }
             Self::NoElbow => {
                 "set elbow = \"left\" if the second link turns left from the first, else \"right\""
+            }
+            Self::NoCarriage => {
+                "add carriage = { mass = …, axis = [1, 0] } above the links, or leave the column out"
             }
             Self::Plans { .. } | Self::OtherMotion { .. } => return None,
             Self::OutOfReach { distance_m, least_m, .. } if distance_m < least_m => {

@@ -65,7 +65,8 @@ pub struct Solution {
     pub analysis: Analysis,
     /// Times of all histories.
     pub grid: TimeGrid,
-    /// The joints, the inner one first; for one link its hub.
+    /// The joints, the inner one first; for one link its hub. The carriage of an arm comes last, with its force in N and
+    /// its place in m.
     pub joints: Vec<JointMotion>,
     /// The links on the meshes of the answer, the inner one first.
     pub links: Vec<LinkMotion>,
@@ -107,7 +108,7 @@ pub struct JointMotion {
     pub acceleration_rad_s2: Option<Vec<f64>>,
     /// Angle in rad of the same joint between rigid links.
     pub rigid_angle_rad: Vec<f64>,
-    /// Force in N along x and y on its link's inner end. `None` for one link.
+    /// Force in N along x and y on its link's inner end. `None` for one link and for a carriage.
     pub force_n: Option<[Vec<f64>; 2]>,
     /// Its motor, where it has a drive.
     pub motor: Option<MotorHistories>,

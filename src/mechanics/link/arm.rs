@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::joint::Joint;
 use super::link::Link;
-use super::parts::{Gravity, ParameterError};
+use super::parts::{Carriage, Gravity, ParameterError};
 
 /// Largest number of links: a path names their angles with one digit.
 pub(crate) const MOST_LINKS: usize = 9;
@@ -38,6 +38,48 @@ pub struct ArmLink {
     pub link: Link,
 }
 
+/// A carriage that moves the first joint of an arm along a straight rail.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ArmCarriage {
+    /// Mass without the arm, and friction.
+    #[serde(flatten)]
+    pub carriage: Carriage,
+    /// Direction of the rail along x and y. [`Arm::new`] scales it to length 1.
+    pub axis: [f64; 2],
+}
+
+impl ArmCarriage {
+    /// Force of the motor along the rail in N for a rate and an acceleration of the carriage, which exerts this force
+    /// along x and y on the arm.
+    ///
+    /// ```text
+    /// F = M (ü − g·e) + b u̇ + R·e
+    /// ```
+    pub fn force_n(
+        &self,
+        gravity_m_s2: [f64; 2],
+        [rate_m_s, acceleration_m_s2]: [f64; 2],
+        on_arm_n: [f64; 2],
+    ) -> f64 {
+        let Self { carriage, axis } = self;
+        let along = |vector: [f64; 2]| axis[0] * vector[0] + axis[1] * vector[1];
+        carriage.mass_kg * (acceleration_m_s2 - along(gravity_m_s2))
+            + carriage.viscous_friction_n_s_m * rate_m_s
+            + along(on_arm_n)
+    }
+
+    fn checked(self) -> Result<Self, ParameterError> {
+        self.carriage.check()?;
+        let [x, y] = self.axis;
+        let length = libm::hypot(x, y);
+        if length == 0.0 || !length.is_finite() {
+            let must = "must be a direction along x and y, not both 0";
+            return Err(ParameterError::new("carriage.axis", format!("[{x}, {y}]"), "", must));
+        }
+        Ok(Self { axis: [x / length, y / length], ..self })
+    }
+}
+
 /// Parts of an arm before they are checked.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ArmParts {
@@ -49,6 +91,8 @@ pub struct ArmParts {
     pub gravity_m_s2: [f64; 2],
     /// Side of the elbow; a path of the tip needs it.
     pub elbow: Option<Elbow>,
+    /// Carriage of the first joint; without it, the axis of this joint is fixed.
+    pub carriage: Option<ArmCarriage>,
 }
 
 /// A valid arm of up to nine links; each turns relative to the tip of the one before.
@@ -62,7 +106,7 @@ impl Arm {
     ///
     /// # Errors
     /// [`ParameterError`] names the first parameter out of its range.
-    pub fn new(parts: ArmParts) -> Result<Self, ParameterError> {
+    pub fn new(mut parts: ArmParts) -> Result<Self, ParameterError> {
         let count = parts.links.len();
         if !(2..=MOST_LINKS).contains(&count) {
             let must = "must be from 2 to 9 links";
@@ -95,6 +139,7 @@ impl Arm {
                 return Err(ParameterError::new(at("gravity"), "its own", "", must));
             }
         }
+        parts.carriage = parts.carriage.map(ArmCarriage::checked).transpose()?;
         Ok(Self { parts })
     }
 
@@ -113,6 +158,28 @@ impl Arm {
         self.parts.links[0].link.joint()
     }
 
+    /// The carriage of the first joint of an arm. `None` for one link, whose carriage is its joint.
+    pub fn carriage(&self) -> Option<&ArmCarriage> {
+        self.parts.carriage.as_ref()
+    }
+
+    /// This arm with its carriage held.
+    #[must_use]
+    pub fn held(&self) -> Self {
+        Self { parts: ArmParts { carriage: None, ..self.parts.clone() } }
+    }
+
+    /// All joints with an effort: those of the links, the inner one first, then the carriage of an arm.
+    pub fn joints(&self) -> impl Iterator<Item = Joint> {
+        let carriage = self.carriage().map(|own| Joint::Prismatic(own.carriage));
+        self.links().iter().map(|own| own.link.joint()).chain(carriage)
+    }
+
+    /// Name of one of [`Arm::joints`] of several links: `joint 2`, `carriage`.
+    pub fn name_of_joint(&self, joint: usize) -> String {
+        if joint < self.links().len() { format!("joint {}", joint + 1) } else { "carriage".into() }
+    }
+
     /// The link of an arm of one link.
     pub fn alone(&self) -> Option<&Link> {
         match self.links() {
@@ -126,9 +193,18 @@ impl Arm {
         if self.alone().is_some() { of_link } else { of_arm }
     }
 
-    /// A text in the words of the first joint and of the output, from the text for a hub whose output is the tip.
+    /// A text in the words of its joint and of the output, from the text for a hub whose output is the tip. The joint is
+    /// the first one, or the carriage of an arm in a text on the joint after the last.
     pub fn worded(&self, text: &str) -> String {
-        self.of_output(self.joint().worded(text))
+        let beyond = format!("joint {}", self.links().len() + 1);
+        let of_carriage = self.carriage().filter(|_| text.contains(&beyond));
+        of_carriage.map_or_else(
+            || self.of_output(self.joint().worded(text)),
+            |own| {
+                let text = text.replace(&beyond, "carriage").replace(" at the joint", "");
+                Joint::Prismatic(own.carriage).worded(&text)
+            },
+        )
     }
 
     /// A text for this arm, from the text for one whose output is the tip.
@@ -198,6 +274,7 @@ impl From<Link> for Arm {
                 gravity_m_s2: link.gravity().map_or([0.0; 2], |own| own.acceleration_m_s2),
                 links: vec![ArmLink { name: None, link }],
                 elbow: None,
+                carriage: None,
             },
         }
     }

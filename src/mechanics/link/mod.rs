@@ -11,7 +11,7 @@ mod parts;
 mod segment;
 
 pub(crate) use arm::MOST_LINKS;
-pub use arm::{Arm, ArmLink, ArmParts, Elbow};
+pub use arm::{Arm, ArmCarriage, ArmLink, ArmParts, Elbow};
 pub use joint::Joint;
 pub use link::{Link, LinkParts};
 #[cfg(test)]

@@ -41,6 +41,8 @@ pub struct PathColumns {
     /// Directions of the chords in rad, counterclockwise from x; the inner link first, `None` for a link without a
     /// column.
     pub angles: Vec<Option<PathColumn>>,
+    /// Displacement of the carriage along its rail in m.
+    pub carriage: Option<PathColumn>,
 }
 
 impl PathColumns {
@@ -60,12 +62,13 @@ impl PathColumns {
                 .into_iter()
                 .chain(outer_rad.iter().enumerate().map(held))
                 .collect(),
+            carriage: None,
         }
     }
 
     /// The columns beside the time, in their order.
     pub fn each(&self) -> impl Iterator<Item = &PathColumn> {
-        self.tip.iter().flatten().chain(self.angles.iter().flatten())
+        self.tip.iter().flatten().chain(self.angles.iter().flatten()).chain(&self.carriage)
     }
 
     /// [`PathColumns::each`], to be changed, each with the length in m that makes a displacement of it.
@@ -76,7 +79,8 @@ impl PathColumns {
         let lengths_m = lengths_m.iter().copied().chain(std::iter::repeat(1.0));
         let angles = self.angles.iter_mut().zip(lengths_m);
         let angles = angles.filter_map(|(column, length_m)| Some((column.as_mut()?, length_m)));
-        self.tip.iter_mut().flatten().map(|column| (column, 1.0)).chain(angles)
+        let places = self.tip.iter_mut().flatten().chain(&mut self.carriage);
+        places.map(|column| (column, 1.0)).chain(angles)
     }
 }
 
@@ -119,9 +123,10 @@ enum Course {
 pub struct ArmPath {
     grid: TimeGrid,
     prescribed: Prescribed,
-    /// x and y of the tip in m, if prescribed; then arcs L θ in m of the prescribed chords.
+    /// x and y of the tip in m, if prescribed; then arcs L θ in m of the prescribed chords; then the carriage.
     courses: Vec<Course>,
-    /// Lengths that multiply the angles; 1 for x and y.
+    has_carriage: bool,
+    /// Lengths that multiply the angles; 1 for x, y and the carriage.
     lengths_m: Vec<f64>,
     /// Directions in rad that the file contains besides the tip's place.
     beside: Vec<(usize, Vec<f64>)>,
@@ -154,7 +159,7 @@ impl ArmPath {
         ends: Ends,
     ) -> Result<Self, PathError> {
         let dropped = columns.each().map(|column| column.recording.dropped).sum();
-        let PathColumns { time_s, tip, angles } = columns;
+        let PathColumns { time_s, tip, angles, carriage } = columns;
         let links = lengths_m.len();
         let grid = TimeGrid::through(&time_s).map_err(MotionError::from)?;
         for column in angles.iter().flatten() {
@@ -177,6 +182,8 @@ impl ArmPath {
             let missing = || PathError::Missing { missing: format!("angle{}", link + 1), links };
             all.push((column.ok_or_else(missing)?, lengths_m[link]));
         }
+        let has_carriage = carriage.is_some();
+        all.extend(carriage.map(|column| (column, 1.0)));
         let range_m = |(column, per_value): &(PathColumn, f64)| {
             let [low, high] = extremes(&column.values);
             per_value * (high - low)
@@ -197,7 +204,7 @@ impl ArmPath {
             return Err(PathError::NoMotion);
         };
         let recording = Recording { dropped, ..coarsest };
-        Ok(Self { grid, prescribed, courses, lengths_m, beside, recording })
+        Ok(Self { grid, prescribed, courses, has_carriage, lengths_m, beside, recording })
     }
 
     /// Quality of the samples, in m: that of the coarsest coordinate that moves, with the number of replaced samples of
@@ -243,6 +250,11 @@ impl ArmPath {
     /// Quantities that the path prescribes.
     pub fn prescribed(&self) -> Prescribed {
         self.prescribed
+    }
+
+    /// True if the path prescribes the motion of a carriage, its last coordinate.
+    pub fn has_carriage(&self) -> bool {
+        self.has_carriage
     }
 
     /// Directions in rad of links, by their number from 0, that the input contains besides the tip's place.
@@ -501,7 +513,7 @@ mod tests {
         angles: Vec<Option<PathColumn>>,
     ) -> Result<ArmPath, PathError> {
         let time_s = (0..=100).map(|k| 0.01 * f64::from(k)).collect();
-        ArmPath::new(PathColumns { time_s, tip, angles }, &[0.7, 0.6])
+        ArmPath::new(PathColumns { time_s, tip, angles, carriage: None }, &[0.7, 0.6])
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::chain::{Chain, coordinates};
 use super::error::SimulationError;
 use super::shape::{Station, direction};
 use super::state::State;
-use crate::link::{Arm, ArmLink};
+use crate::link::{Arm, ArmCarriage, ArmLink};
 use crate::numeric::dot;
 
 /// Initial order of a piece's polynomials, beside one for each radian of a bending wave along it.
@@ -19,8 +19,9 @@ const HIGHEST_ORDER: usize = 24;
 #[derive(Debug, Clone)]
 pub(super) struct Linkage {
     pub(super) links: Vec<Chain>,
-    /// Number of the first coordinate of each link: the position of its joint.
+    /// Number of the first coordinate of each link, the position of its joint, then that of an arm's carriage.
     pub(super) joints: Vec<usize>,
+    pub(super) carriage: Option<ArmCarriage>,
     pub(super) friction_n_m_s_rad: Vec<f64>,
     pub(super) gravity_m_s2: [f64; 2],
     pub(super) count: usize,
@@ -58,10 +59,15 @@ impl Linkage {
             joints.push(count);
             count += link.count;
         }
-        let frictions = arm.links().iter().map(|own| own.link.joint().friction());
+        let carriage = arm.carriage().copied();
+        if carriage.is_some() {
+            joints.push(count);
+            count += 1;
+        }
         let mut linkage = Self {
             joints,
-            friction_n_m_s_rad: frictions.collect(),
+            carriage,
+            friction_n_m_s_rad: arm.joints().map(|own| own.friction()).collect(),
             gravity_m_s2: arm.gravity_m_s2(),
             count,
             stiffness: Vec::new(),
@@ -81,7 +87,20 @@ impl Linkage {
     ) -> usize {
         let order = orders(highest_rad_s, more, state);
         let links = arm.links().iter().enumerate();
-        links.map(|(number, own)| coordinates(&own.link, |e, m| order(number, e, m))).sum()
+        let links = links.map(|(number, own)| coordinates(&own.link, |e, m| order(number, e, m)));
+        links.sum::<usize>() + usize::from(arm.carriage().is_some())
+    }
+
+    /// Place of the first axis, which the carriage moves.
+    fn base(&self, q: &[f64], rates: &[f64]) -> Place {
+        let mut base = Place::fixed(self.count);
+        if let Some(ArmCarriage { axis, .. }) = self.carriage {
+            let last = self.count - 1;
+            base.at_m = axis.map(|part| part * q[last]);
+            base.rate_m_s = axis.map(|part| part * rates[last]);
+            base.by.iter_mut().zip(axis).for_each(|(by, part)| by[last] = part);
+        }
+        base
     }
 
     /// The stiffness of each link times its factor.
@@ -123,10 +142,13 @@ impl Linkage {
         mut meet: impl FnMut(&Place, &Met<'_>),
     ) -> Vec<Place> {
         let mut ends: Vec<Place> = Vec::with_capacity(self.links.len());
-        let (fixed, mut before) = (Place::fixed(self.count), Vec::new());
+        let (base, mut before) = (self.base(q, rates), Vec::new());
+        if let Some(ArmCarriage { carriage, .. }) = self.carriage {
+            meet(&base, &Met::Mass(carriage.mass_kg));
+        }
         for (link, first) in self.links.iter().zip(&self.joints) {
             let (mut end, mut turned) = (Place::default(), Vec::new());
-            let axis = ends.last().unwrap_or(&fixed);
+            let axis = ends.last().unwrap_or(&base);
             link.walk_on(axis, (&before, *first), (q, rates), &mut |place: &Place, met| {
                 if let Met::End(by) = met {
                     end.clone_from(place);
@@ -177,7 +199,8 @@ impl Linkage {
     /// Direction of each link's chord in rad, from the ends of the links. It is within half a turn of the root's
     /// direction plus `bent_rad`; `bent_rad` becomes the chord's new bend.
     pub(super) fn chords_rad(&self, q: &[f64], ends: &[Place], bent_rad: &mut [f64]) -> Vec<f64> {
-        let mut from_m = self.links[0].axis_m(q);
+        let (base_m, axis_m) = (self.base(q, q).at_m, self.links[0].axis_m(q));
+        let mut from_m = [0, 1].map(|axis| base_m[axis] + axis_m[axis]);
         let roots_rad = self.links.iter().zip(self.of_links(q)).map(|(link, q)| link.root_rad(&q));
         let chord = |((end, root_rad), bent_rad): ((&Place, f64), &mut f64)| {
             let along = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
@@ -210,7 +233,7 @@ impl Linkage {
     /// x and y in m of places on the links; `stations` has the places of each link.
     pub(super) fn places_m(&self, stations: &[Vec<Station>], q: &[f64]) -> Vec<Vec<[f64; 2]>> {
         let ends = self.walk(q, &vec![0.0; self.count], |_, _| {});
-        let joints_m = std::iter::once([0.0; 2]).chain(ends.iter().map(|end| end.at_m));
+        let joints_m = std::iter::once(self.base(q, q).at_m).chain(ends.iter().map(|end| end.at_m));
         let links = self.links.iter().zip(stations).zip(self.of_links(q)).zip(joints_m);
         let of_link =
             |(((link, stations), own), joint_m): (((&Chain, &Vec<Station>), _), [f64; 2])| {
@@ -227,13 +250,14 @@ impl Linkage {
     }
 
     /// Coordinates of the arm from those of each link alone.
-    fn of_each(&self, links: &[Vec<f64>]) -> Vec<f64> {
+    fn of_each(&self, links: &[Vec<f64>], carriage: Option<f64>) -> Vec<f64> {
         let (mut q, mut turned) = (Vec::with_capacity(self.count), 0.0);
         for (link, own) in self.links.iter().zip(links) {
             q.push(own[0] - turned);
             q.extend_from_slice(&own[1..]);
             turned = own[0] + link.end(own);
         }
+        q.extend(self.carriage.map(|_| carriage.unwrap_or(0.0)));
         q
     }
 
@@ -241,7 +265,9 @@ impl Linkage {
     pub(super) fn state(&self, time_s: f64, q: &[f64], rates: &[f64]) -> State {
         let own = self.of_links(q).into_iter().zip(self.of_links(rates));
         let links = self.links.iter().zip(own);
-        State { links: links.map(|(link, (q, rates))| link.state(time_s, &q, &rates)).collect() }
+        let links = links.map(|(link, (q, rates))| link.state(time_s, &q, &rates)).collect();
+        let last = self.count - 1;
+        State { links, carriage: self.carriage.map(|_| [q[last], rates[last]]) }
     }
 
     /// Coordinates and rates of a state.
@@ -252,7 +278,8 @@ impl Linkage {
         let links = self.links.iter().zip(&state.links).map(|(link, own)| link.of_state(own));
         let links: Vec<(Vec<f64>, Vec<f64>)> = links.collect::<Result<_, _>>()?;
         let (q, rates): (Vec<_>, Vec<_>) = links.into_iter().unzip();
-        Ok((self.of_each(&q), self.of_each(&rates)))
+        let [at_m, rate_m_s] = [0, 1].map(|part: usize| state.carriage.map(|own| own[part]));
+        Ok((self.of_each(&q, at_m), self.of_each(&rates, rate_m_s)))
     }
 }
 

@@ -185,7 +185,8 @@ impl Played {
     pub fn state(&self) -> State {
         match &self.by {
             PlayedBy::Modes(modes) => {
-                State { links: vec![modes.state(self.mesh(), self.grid.end_s())] }
+                let links = vec![modes.state(self.mesh(), self.grid.end_s())];
+                State { links, carriage: None }
             }
             PlayedBy::Elastica(bent) => bent.state(&self.grid, self.grid.len - 1),
         }

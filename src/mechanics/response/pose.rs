@@ -130,7 +130,7 @@ pub struct ArmResponse {
 
 impl ArmPose {
     /// The arm at rest with the chord of each link in a direction in rad, counterclockwise from x. Its links bend by
-    /// polynomials for waves up to `highest_rad_s`, with `more_orders` added.
+    /// polynomials for waves up to `highest_rad_s`, with `more_orders` added. A carriage is held.
     ///
     /// # Errors
     /// [`PoseError`].
@@ -139,6 +139,7 @@ impl ArmPose {
         directions_rad: &[f64],
         (highest_rad_s, more_orders): (f64, usize),
     ) -> Result<Self, PoseError> {
+        let arm = &arm.held();
         let (given, links) = (directions_rad.len(), arm.links().len());
         if given != links {
             return Err(PoseError::Directions { given, links });

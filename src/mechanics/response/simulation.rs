@@ -55,6 +55,9 @@ pub fn simulate(
     play: &Play<'_>,
     watch: &dyn Fn(PlayProgress),
 ) -> Result<Played, SimulationError> {
+    if arm.carriage().is_some() {
+        return Err(SimulationError::OnCarriage);
+    }
     let links = arm.links();
     assert!(play.input.joints() == links.len(), "one input for each joint");
     assert!([0, links.len()].contains(&play.feedback.len()), "feedback for all joints or none");

@@ -293,6 +293,9 @@ fn between(x_m: &[f64], values: &[f64], slopes: &[f64], origin: f64, at_m: f64) 
 pub struct State {
     /// The state of each link, the inner one first: slopes against x along it.
     pub links: Vec<LinkState>,
+    /// Displacement in m and rate in m/s of the carriage of an arm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carriage: Option<[f64; 2]>,
 }
 
 impl State {
@@ -310,7 +313,7 @@ impl State {
             x_m,
             carriage: None,
         };
-        Self { links: vec![state] }
+        Self { links: vec![state], carriage: None }
     }
 
     /// Refuses a state that does not suit the links.

@@ -25,7 +25,7 @@ pub struct Metrics {
 /// Numbers of one joint, its link and its motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointMetrics {
-    /// Number of the joint of an arm, from 0.
+    /// Number of the joint of an arm, from 0; its carriage comes last.
     pub joint: Option<usize>,
     /// Largest |T| in N m.
     pub peak_torque_n_m: Peak,
@@ -54,10 +54,10 @@ pub struct JointMetrics {
     pub peak_power_w: Peak,
     /// Root mean square of T θ̇ in W over the samples while T acts.
     pub rms_power_w: f64,
-    /// Largest moment of the hub on the link's root in N m.
-    pub peak_root_moment_n_m: Peak,
+    /// Largest moment of the hub on the link's root in N m; absent for the carriage of an arm, which has no link.
+    pub peak_root_moment_n_m: Option<Peak>,
     /// Largest deflection of the link's tip from the hub's tangent line in m.
-    pub peak_deflection_m: Peak,
+    pub peak_deflection_m: Option<Peak>,
     /// With an output inboard of the tip, largest distance of the tip in m from its place on a rigid link.
     pub peak_free_end_from_rigid_m: Option<Peak>,
     /// Values of the motor; absent without a drive.
@@ -107,7 +107,7 @@ impl Metrics {
 impl JointMetrics {
     fn of(solution: &Solution, number: usize) -> Self {
         let (grid, peaks) = (&solution.grid, Peaks::in_solution(solution));
-        let (joint, link) = (&solution.joints[number], &solution.links[number]);
+        let (joint, link) = (&solution.joints[number], solution.links.get(number));
         let (torque, angle) = (&joint.torque_n_m[..], solution.followed_rad(number));
         let peak_torque_n_m = peaks.of(torque);
         let peak_rigid_torque_n_m = peaks.of(&joint.rigid_torque_n_m);
@@ -143,8 +143,8 @@ impl JointMetrics {
             peak_hub_acceleration_rad_s2: peaks.of(&solution.acceleration_rad_s2(number)),
             peak_power_w: peaks.of_product(torque, &joint.rate_rad_s),
             rms_power_w: acting.rms(&power_w),
-            peak_root_moment_n_m: peaks.of(&link.root_moment_n_m),
-            peak_deflection_m: peaks.of(&solution.tip_deflection_m(number)),
+            peak_root_moment_n_m: link.map(|link| peaks.of(&link.root_moment_n_m)),
+            peak_deflection_m: link.map(|_| peaks.of(&solution.tip_deflection_m(number))),
             peak_free_end_from_rigid_m: solution.tip_from_rigid_m().map(|apart| peaks.of(&apart)),
             motor: joint.motor.as_ref().map(|motor| MotorMetrics::of(motor, &peaks, acts)),
         }

@@ -28,8 +28,9 @@ pub(crate) use quantities::by_name;
 pub use quantities::{JointQuantity, QUANTITIES, Shown, Unit};
 pub use remark::Remark;
 pub use stored::{
-    LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArc, StoredInput, StoredJoint,
-    StoredLink, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSweep, line_difference,
+    LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArc, StoredCarriage, StoredInput,
+    StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSweep,
+    line_difference,
 };
 pub use tip_error::{FollowedTarget, LateTarget, StoredTarget, TargetError, TipError, TipPlaces};
 pub use torque_table::TorqueTable;

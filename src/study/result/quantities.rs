@@ -5,8 +5,8 @@ use serde_json::{Map, Value};
 
 use super::metrics::{JointMetrics, PlayedJoint};
 use super::peak::Peak;
-use crate::inverse::{MotorHistories, QuantityErrors, Solution};
-use crate::link::Joint;
+use crate::inverse::{LinkMotion, MotorHistories, QuantityErrors, Solution};
+use crate::link::{Joint, Link};
 use crate::numeric::{Dimension, largest};
 use crate::text::{instant, significant};
 
@@ -122,11 +122,11 @@ pub const QUANTITIES: [JointQuantity; 20] = [
         .limited("power", |own| own.power_w)
         .shown(("hub", ", {} W"), FOUR)
         .played(|own| Some(own.peak_power_w.value)),
-    of_joint("peak_root_moment", TORQUE, |own| Some(own.peak_root_moment_n_m.value))
+    of_joint("peak_root_moment", TORQUE, |own| Some(own.peak_root_moment_n_m?.value))
         .is("Peak bending moment at the link's root.")
         .limited("bending_moment", |own| own.moment_n_m)
         .shown(("bending", ", root moment up to {} N m"), FOUR),
-    of_joint("peak_deflection", LENGTH, |own| Some(own.peak_deflection_m.value))
+    of_joint("peak_deflection", LENGTH, |own| Some(own.peak_deflection_m?.value))
         .is("Peak deflection of the tip from the hub's tangent line.")
         .limited("deflection", |own| own.deflection_m)
         .shown(("bending", "tip deflects by up to {} m"), FOUR)
@@ -229,6 +229,11 @@ impl JointQuantity {
         self.is_of_motor || self.name == "peak_root_moment"
     }
 
+    /// True for a number of the link beyond the joint, which the carriage of an arm does not have.
+    pub fn is_of_link(&self) -> bool {
+        ["peak_root_moment", "peak_deflection", "peak_free_end_from_rigid"].contains(&self.name)
+    }
+
     /// Its column in a sweep, for a joint with its number from 1: `peak_torque2_n_m`.
     pub fn column(&self, joint: Option<usize>) -> String {
         let number = joint.map(|joint| joint.to_string()).unwrap_or_default();
@@ -296,17 +301,17 @@ impl Errors {
             metrics.motor.map(|motor| peaks([motor.peak_torque_n_m, motor.peak_rate_rad_s]));
         let [motor_n_m, motor_rad_s] = motor.unwrap_or_default();
         // The moment at the root of a hub and its torque have one size.
-        let root_n_m = metrics.peak_root_moment_n_m.value;
-        let slides = solution.links[number].link().joint().slides();
-        let moment_n_m = if slides { root_n_m } else { peak_n_m.max(root_n_m) };
+        let root_n_m = metrics.peak_root_moment_n_m.map_or(0.0, |peak| peak.value);
+        let link = solution.links.get(number).map(LinkMotion::link);
+        let turns = link.is_some_and(|link| !link.joint().slides());
+        let moment_n_m = if turns { peak_n_m.max(root_n_m) } else { root_n_m };
         Self {
             torque_n_m: torque * peak_n_m,
             angle_rad: errors.hub_angle * turned_rad,
             rate_rad_s: rate * peak_rad_s,
             acceleration_rad_s2: acceleration * metrics.peak_hub_acceleration_rad_s2.value,
             power_w: (torque + rate) * (peak_n_m * peak_rad_s),
-            deflection_m: errors.hub_angle
-                * (solution.links[number].link().rigid_tip() * turned_rad),
+            deflection_m: errors.hub_angle * (link.map_or(0.0, Link::rigid_tip) * turned_rad),
             moment_n_m: torque * moment_n_m,
             motor_torque_n_m: motor_torque * motor_n_m,
             motor_rate_rad_s: motor_rate * motor_rad_s,

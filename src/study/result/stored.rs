@@ -40,6 +40,8 @@ pub struct StoredRun {
     pub times_s: Vec<f64>,
     /// The joints, the inner one first.
     pub joints: Vec<StoredJoint>,
+    /// The carriage of an arm.
+    pub carriage: Option<StoredCarriage>,
     /// The links, the inner one first.
     pub links: Vec<StoredLink>,
     /// The motion of a single link along its arc.
@@ -113,6 +115,23 @@ impl StoredJoint {
     /// Its number of this name, if the summary has it.
     pub fn reading(&self, name: &str) -> Option<f64> {
         self.readings.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
+    }
+}
+
+/// The carriage of an arm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredCarriage {
+    /// Its force in N and its place in m, in place of a torque and an angle.
+    pub joint: StoredJoint,
+    /// Direction of its rail along x and y, of length 1.
+    pub axis: [f64; 2],
+}
+
+impl StoredRun {
+    /// Place of the first joint in m at a sample, which a carriage moves.
+    pub fn base_m(&self, sample: usize) -> [f64; 2] {
+        let carriage = self.carriage.as_ref();
+        carriage.map_or([0.0; 2], |own| own.axis.map(|part| part * own.joint.angle_rad[sample]))
     }
 }
 

@@ -32,6 +32,8 @@ pub struct TorqueTable {
     has_weight: bool,
     /// The joint of one link, or the first joint.
     joint: Joint,
+    /// Whether the last column is the force on an arm's carriage in N.
+    has_carriage: bool,
 }
 
 impl TorqueTable {
@@ -48,7 +50,13 @@ impl TorqueTable {
             window: None,
             has_weight: solution.arm.has_weight(),
             joint: solution.arm.joint(),
+            has_carriage: solution.arm.carriage().is_some(),
         }
+    }
+
+    /// True if the last column is the force on an arm's carriage in N.
+    pub fn has_carriage(&self) -> bool {
+        self.has_carriage
     }
 
     /// The joint of one link, or the first joint.

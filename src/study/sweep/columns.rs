@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::inverse::Solution;
-use crate::link::{Carriage, Hub, Joint, Link};
+use crate::link::{Arm, Carriage, Hub, Joint};
 use crate::modal::reported_zeros;
 use crate::response::{Played, PlayedLink, ResidualVibration};
 use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
@@ -122,7 +122,7 @@ pub enum SweepKind {
         joints: usize,
         /// With those of motors.
         is_driven: bool,
-        /// Of a link on a carriage.
+        /// Of a link or an arm on a carriage.
         slides: bool,
     },
     /// The torques of one table, played on every case.
@@ -145,16 +145,16 @@ enum Column {
 }
 
 impl SweepKind {
-    /// The kind of sweep that solves these links.
-    pub fn of_links(links: &[&Link]) -> Self {
-        let is_driven = links.iter().any(|link| link.drive().is_some());
-        let slides = links.iter().any(|link| link.joint().slides());
-        Self::Solved { joints: links.len(), is_driven, slides }
+    /// The kind of sweep that solves this arm.
+    pub fn of_arm(arm: &Arm) -> Self {
+        let is_driven = arm.links().iter().any(|own| own.link.drive().is_some());
+        let slides = arm.joints().any(|joint| joint.slides());
+        Self::Solved { joints: arm.links().len(), is_driven, slides }
     }
 
     fn columns(self) -> Vec<Column> {
-        let (joints, is_driven) = match self {
-            Self::Solved { joints, is_driven, .. } => (joints, is_driven),
+        let (joints, is_driven, slides) = match self {
+            Self::Solved { joints, is_driven, slides } => (joints, is_driven, slides),
             Self::Played { joints, .. } => return Self::played_columns(joints),
         };
         let of_joint =
@@ -166,7 +166,11 @@ impl SweepKind {
         }
         let of_joints = (0..joints).flat_map(|joint| of_joint(joint, false).chain(motor(joint)));
         let before = BEFORE.into_iter().skip(1).map(Column::Solved).chain(of_joints);
-        before.chain(AFTER_JOINTS.into_iter().map(Column::Solved)).collect()
+        let carriage = of_joint(joints, false).filter(|column| match column {
+            Column::Joint(_, own) => slides && !own.is_of_link(),
+            _ => false,
+        });
+        before.chain(carriage).chain(AFTER_JOINTS.into_iter().map(Column::Solved)).collect()
     }
 
     /// All cases of a link play the same torque; simulations of arms have no deflection.
@@ -191,10 +195,17 @@ impl SweepKind {
             Joint::Revolute(Hub::default())
         };
         let name = |column| match column {
-            Column::Solved((name, _)) | Column::Played((name, _)) => name.to_owned(),
-            Column::Joint(joint, own) => own.column((joints > 1).then_some(joint + 1)),
+            Column::Solved((name, _)) | Column::Played((name, _)) => of.named(name),
+            Column::Joint(_, own) if joints == 1 => of.named(&own.column(None)),
+            Column::Joint(joint, own) if joint < joints => own.column(Some(joint + 1)),
+            Column::Joint(_, own) => {
+                let name = own.column(None);
+                // Times and powers have no word of the carriage in their names.
+                let named = of.named(&name);
+                if named == name { format!("carriage_{name}") } else { named }
+            }
         };
-        self.columns().into_iter().map(name).map(|name| of.named(&name)).collect()
+        self.columns().into_iter().map(name).collect()
     }
 
     /// The numbers of a solved case. A sweep that plays has none here.

@@ -83,7 +83,15 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
 
 /// Gives a check the words of the joint and the output.
 fn word(check: &mut Check, arm: &Arm) {
-    check.name = arm.joint().named(&check.name);
+    let number = (arm.links().len() + 1).to_string();
+    check.name = match arm.joints().nth(arm.links().len()) {
+        Some(carriage) if check.name.contains(&number) => {
+            check.of = carriage.worded(&check.of);
+            let name = check.name.replace(&format!("joint{number}"), "carriage");
+            carriage.named(&name.replace(&number, ""))
+        }
+        _ => arm.joint().named(&check.name),
+    };
     for text in [&mut check.what, &mut check.of].into_iter().chain(&mut check.reason) {
         *text = arm.worded(text);
     }
@@ -239,6 +247,7 @@ fn rigid_arm_error(
         links,
         gravity_m_s2: solution.arm.gravity_m_s2(),
         elbow: solution.arm.elbow(),
+        carriage: solution.arm.carriage().copied(),
     })?;
     let linear = solution.analysis.with_second_order(SecondOrder::None);
     let resources = Resources { memory_bytes, ..Resources::default() };

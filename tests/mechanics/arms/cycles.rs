@@ -30,9 +30,9 @@ fn path(by_tip: bool, ends: Ends) -> ArmPath {
     let angles = turns.map(|(name, from, by)| Some(column(name, &shares, from, by))).into();
     let columns = if by_tip {
         let tip = [column("x", &shares, 0.9, -0.4), column("y", &shares, -0.5, 0.9)];
-        PathColumns { time_s, tip: Some(tip), angles: vec![] }
+        PathColumns { time_s, tip: Some(tip), angles: vec![], carriage: None }
     } else {
-        PathColumns { time_s, tip: None, angles }
+        PathColumns { time_s, tip: None, angles, carriage: None }
     };
     let lengths_m = arm(&two_links(), [0.0; 2]).lengths_m();
     ArmPath::with_ends(columns, &lengths_m, ends).expect("a path")
@@ -77,7 +77,7 @@ fn a_tip_goes_around_the_first_joint_cycle_after_cycle() {
     let [x, y]: [Vec<f64>; 2] =
         [f64::cos, f64::sin].map(|of| turned.iter().map(|a| of(*a)).collect());
     let tip = [column("x", &x, 0.05, 0.9), column("y", &y, 0.0, 0.9)];
-    let columns = PathColumns { time_s, tip: Some(tip), angles: vec![] };
+    let columns = PathColumns { time_s, tip: Some(tip), angles: vec![], carriage: None };
     let path = ArmPath::with_ends(columns, &arm.lengths_m(), Ends::Periodic).expect("a path");
     let found = solved(&arm, &path, ElementCount::Total(8), &Analysis::default());
     let angle = &found.joints[0].angle_rad;

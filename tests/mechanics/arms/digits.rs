@@ -273,7 +273,8 @@ fn the_peaks_of_an_arm_do_not_change_with_the_step() {
     let mut missed = 0.0_f64;
     for (joint, (own, other)) in own.iter().zip(&other).enumerate() {
         let numbers = |own: &JointMetrics| {
-            [own.peak_torque_n_m, own.peak_hub_rate_rad_s, own.peak_power_w, own.peak_deflection_m]
+            let deflection_m = own.peak_deflection_m.expect("a link");
+            [own.peak_torque_n_m, own.peak_hub_rate_rad_s, own.peak_power_w, deflection_m]
                 .map(|peak| peak.value)
         };
         for (own, other) in numbers(own).into_iter().zip(numbers(other)) {

@@ -30,7 +30,7 @@ fn across(arm: &Arm) -> ArmPath {
     let shares: Vec<f64> = (0..=ROWS).map(|k| septic(f64::from(k) / rows)[0]).collect();
     let time_s = (0..=ROWS).map(|k| DURATION_S * f64::from(k) / rows).collect();
     let tip = [0, 1].map(|axis| column(["x", "y"][axis], &shares, START_M[axis], BY_M[axis]));
-    path(arm, PathColumns { time_s, tip: Some(tip), angles: vec![] })
+    path(arm, PathColumns { time_s, tip: Some(tip), angles: vec![], carriage: None })
 }
 
 fn straying(found: &Solution) -> Straying {

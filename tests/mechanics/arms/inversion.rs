@@ -19,7 +19,8 @@ pub(super) fn arm(parts: &[LinkParts], gravity_m_s2: [f64; 2]) -> Arm {
     let link = |parts: &LinkParts| Link::new(parts.clone()).expect("a link");
     let links = parts.iter().map(|parts| ArmLink { name: None, link: link(parts) }).collect();
     let elbow = Some(Elbow::Left);
-    Arm::new(ArmParts { title: String::new(), links, gravity_m_s2, elbow }).expect("an arm")
+    Arm::new(ArmParts { title: String::new(), links, gravity_m_s2, elbow, carriage: None })
+        .expect("an arm")
 }
 
 pub(super) fn plans(arm: &Arm, count: ElementCount) -> Vec<MeshPlan> {
@@ -48,7 +49,7 @@ pub(super) fn column(name: &str, shares: &[f64], from: f64, by: f64) -> PathColu
 pub(super) fn line(arm: &Arm, duration_s: f64) -> ArmPath {
     let (time_s, shares) = sampled(duration_s, 512);
     let tip = [column("x", &shares, 0.9, -0.4), column("y", &shares, -0.5, 1.3)];
-    path(arm, PathColumns { time_s, tip: Some(tip), angles: vec![] })
+    path(arm, PathColumns { time_s, tip: Some(tip), angles: vec![], carriage: None })
 }
 
 pub(super) fn path(arm: &Arm, columns: PathColumns) -> ArmPath {
@@ -175,7 +176,7 @@ fn stiff_links_are_the_rigid_arm() {
     let angle = |name, from, by| Some(column(name, &shares, from, by));
     let angles =
         vec![angle("angle1", -1.0, 1.6), angle("angle2", 0.4, 2.0), angle("angle3", 2.0, -1.0)];
-    let path = path(&arm, PathColumns { time_s, tip: None, angles });
+    let path = path(&arm, PathColumns { time_s, tip: None, angles, carriage: None });
     let found = solved(&arm, &path, ElementCount::Total(4), &Analysis::default());
     for joint in &found.joints {
         let range = largest(joint.rigid_torque_n_m.iter().copied());
@@ -218,7 +219,8 @@ fn terms_that_are_left_out_and_an_elbow_nearly_stretched_are_told() {
     assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
     let (time_s, shares) = sampled(1.5, 512);
     let tip = [column("x", &shares, 0.9, 0.397), column("y", &shares, 0.0, 0.0)];
-    let stretching = path(&arm, PathColumns { time_s, tip: Some(tip), angles: vec![] });
+    let stretching =
+        path(&arm, PathColumns { time_s, tip: Some(tip), angles: vec![], carriage: None });
     let slow = solved(&arm, &stretching, ElementCount::Total(8), &first);
     let stretched =
         |warning: &SolutionWarning| matches!(warning.warning, Warning::NearlyStretched { .. });

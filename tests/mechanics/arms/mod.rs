@@ -1,5 +1,6 @@
 //! Arms of several links.
 
+mod carriage;
 mod curves;
 mod cycles;
 mod digits;

@@ -11,6 +11,16 @@ pub(super) fn torques_n_m(
     gravity: [f64; 2],
     time_s: f64,
 ) -> Vec<f64> {
+    efforts(parts, turns, gravity, time_s).0
+}
+
+/// Torques of a rigid arm, and the force along x and y on its first link.
+pub(super) fn efforts(
+    parts: &[LinkParts],
+    turns: &[Turn],
+    gravity: [f64; 2],
+    time_s: f64,
+) -> (Vec<f64>, [f64; 2]) {
     let mut axis = gravity.map(|part| -part);
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let plus = |a: [f64; 2], b: [f64; 2], times: f64| [a[0] + times * b[0], a[1] + times * b[1]];
@@ -55,5 +65,5 @@ pub(super) fn torques_n_m(
         let before = if joint > 0 { inner[joint - 1].4 } else { 0.0 };
         torques.insert(0, torque + friction * (rate - before));
     }
-    torques
+    (torques, outer)
 }

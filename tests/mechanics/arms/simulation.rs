@@ -87,14 +87,14 @@ fn three_links() -> Vec<LinkParts> {
 fn line(arm: &Arm) -> ArmPath {
     let (time_s, shares) = sampled(1.5, 256);
     let tip = [column("x", &shares, 0.9, -0.4), column("y", &shares, -0.5, 1.3)];
-    path(arm, PathColumns { time_s, tip: Some(tip), angles: vec![] })
+    path(arm, PathColumns { time_s, tip: Some(tip), angles: vec![], carriage: None })
 }
 
 /// The same of three links, with the third one's direction.
 fn wave(arm: &Arm) -> ArmPath {
     let (time_s, shares) = sampled(1.5, 256);
     let tip = [column("x", &shares, 0.95, -0.4), column("y", &shares, -0.4, 1.1)];
-    path(arm, PathColumns { time_s, tip: Some(tip), angles: third(&shares) })
+    path(arm, PathColumns { time_s, tip: Some(tip), angles: third(&shares), carriage: None })
 }
 
 fn third(shares: &[f64]) -> Vec<Option<flexlink::motion::PathColumn>> {

@@ -120,7 +120,7 @@ fn a_hysteretic_link_damps_the_modes_of_its_loop_by_their_strain() {
                     velocity_m_s: rest().filter(|_| !is_large),
                     ..LinkState::default()
                 };
-                let state = State { links: vec![link_state] };
+                let state = State { links: vec![link_state], carriage: None };
                 let play = Play {
                     feedback: std::slice::from_ref(&feedback),
                     state: Some(&state),

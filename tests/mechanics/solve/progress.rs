@@ -81,7 +81,8 @@ fn every_mesh_of_a_bent_link_and_of_an_arm_is_told_and_solved_to_its_end() {
         Some(PathColumn { name, values, recording: Recording::default() })
     };
     let time_s = (0..=200).map(|k| 0.01 * f64::from(k)).collect();
-    let columns = PathColumns { time_s, tip: None, angles: vec![angle(0.3), angle(0.5)] };
+    let columns =
+        PathColumns { time_s, tip: None, angles: vec![angle(0.3), angle(0.5)], carriage: None };
     let path = Motion::Path(ArmPath::new(columns, &two.lengths_m()).unwrap());
     for (arm, motion) in [one, (two, path)] {
         let (notes, plans) = (Notes::default(), vec![plan.clone(); arm.links().len()]);

@@ -4,9 +4,9 @@
 use std::fmt::{Display, Write as _};
 
 use crate::beam::Mesh;
-use crate::link::{Arm, Damping, Joint, Link};
+use crate::link::{Arm, ArmCarriage, Damping, Joint, Link};
 use crate::modal::DampingLaw;
-use crate::numeric::ThinnedGrid;
+use crate::numeric::{ThinnedGrid, rounded};
 use crate::result::{JointQuantity, Peak, QUANTITIES};
 use crate::text::{gigabytes, instant, plain, significant, visible};
 
@@ -167,7 +167,12 @@ pub(crate) fn rows_text(rows: &ThinnedGrid) -> String {
 }
 
 pub(super) fn size_line(arm: &Arm) -> String {
-    format!("{} links, {} m", arm.links().len(), significant(arm.length_m(), 4))
+    let carriage = arm.carriage().map_or_else(String::new, |ArmCarriage { carriage, axis }| {
+        let [mass] = four([carriage.mass_kg]);
+        let [x, y] = axis.map(|part| plain(rounded(part, 4)));
+        format!(", on a carriage of {mass} kg along {x}, {y}")
+    });
+    format!("{} links, {} m{carriage}", arm.links().len(), significant(arm.length_m(), 4))
 }
 
 /// Gravity in the plane of an arm.

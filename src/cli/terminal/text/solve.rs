@@ -21,16 +21,18 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
         Motion::Tip(motion) => link_lines((solution, motion), metrics),
         Motion::Path(path) => arm_lines(solution, path),
     };
-    let joints = metrics.joints.iter().zip(solution.arm.links()).flat_map(|(metrics, own)| {
-        let joint = own.link.joint();
-        match metrics.joint {
+    let joints =
+        metrics.joints.iter().zip(solution.arm.joints()).flat_map(|(metrics, joint)| match metrics
+            .joint
+        {
             None => {
                 let lines = joint_lines(&joint, metrics);
                 lines.map(|(label, line)| (joint.worded(label), line)).to_vec()
             }
-            Some(number) => vec![(numbered("joint", number), below_each_other(&joint, metrics))],
-        }
-    });
+            Some(number) => {
+                vec![(solution.arm.name_of_joint(number), below_each_other(&joint, metrics))]
+            }
+        });
     let end = [("errors", solution_errors(solution)), ("written", written)];
     let end = end.map(|(label, line)| (label.to_owned(), line));
     let lines = before.into_iter().chain(joints).chain(end);
@@ -291,16 +293,17 @@ pub(super) fn solution_errors(solution: &Solution) -> String {
     ];
     let worst = kinds.iter().filter_map(|(name, kind)| {
         let is_measured = errors.iter().any(|own| kind(own.torque).is_some());
-        let joints = (1..).zip(&errors).filter(|_| is_measured && !(is_cycle && *name == WINDOW));
+        let joints =
+            errors.iter().enumerate().filter(|_| is_measured && !(is_cycle && *name == WINDOW));
         let worst = joints.map(|(joint, own)| {
             let (quantity, error) = own.of_kind(|own| kind(own).unwrap_or(0.0)).worst();
             (joint, own.torque.input, quantity, error)
         });
         let (joint, of_torque, quantity, error) = worst
             .reduce(|worst, own| if own.3 > worst.3 || own.3.is_nan() { own } else { worst })?;
-        let of_joint = solution.arm.pick(None, Some(format!("joint {joint}")));
+        let of_joint = solution.arm.pick(None, Some(solution.arm.name_of_joint(joint)));
         let other = (quantity != Quantity::Torque).then(|| {
-            let joint = solution.arm.joint();
+            let joint = solution.arm.joints().nth(joint).unwrap_or(solution.arm.joint());
             joint.worded(quantity.name()).replace("acceleration", "accel.")
         });
         let of = other.into_iter().chain(of_joint).collect::<Vec<_>>().join(", ");

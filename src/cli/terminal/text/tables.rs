@@ -36,6 +36,7 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
             let (size, directions) = (size_line(arm), list(directions_rad));
             lines.push(format!("arm of {size}; the links point to {directions} rad"));
             lines.push(format!("the tip rests at {} m", list(tip_m)));
+            lines.extend(arm.carriage().map(|_| "the carriage is held at 0".to_owned()));
             if arm.has_weight() {
                 let (gravity, torques) = (gravity_line(arm), list(holding_torques_n_m));
                 lines.push(format!("gravity {gravity}; {torques} N m hold the joints at rest"));

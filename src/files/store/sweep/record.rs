@@ -161,7 +161,8 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         return Err(error.with_hint(THE_FOLDER.to_owned()));
     }
     let joints = joints_of(names);
-    let slides = names.contains(&"peak_power_w") && !names.contains(&"peak_hub_rate_rad_s");
+    let slides = names.contains(&"peak_force_n")
+        || names.contains(&"peak_power_w") && !names.contains(&"peak_hub_rate_rad_s");
     let solved =
         |joints| [true, false].map(|is_driven| SweepKind::Solved { joints, is_driven, slides });
     let played = |joints| [SweepKind::Played { joints, slides }];

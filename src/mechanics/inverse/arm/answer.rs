@@ -1,5 +1,6 @@
 //! The motion of an arm over one period: histories of its joints, and of the quantities with errors.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -12,9 +13,9 @@ use crate::inverse::periodic_answer::PeriodicAnswer;
 use crate::inverse::solution::{Shape, farthest_m};
 use crate::inverse::spectra::{DrivenModel, HubSpectra};
 use crate::inverse::{MotorHistories, Unwatched};
-use crate::link::Drive;
+use crate::link::{ArmCarriage, Drive};
 use crate::model::Model;
-use crate::motion::{ArmPath, Prescribed, TipPeriod};
+use crate::motion::{ArmPath, CourseHistories, Prescribed, TipPeriod};
 
 /// Links on their meshes, the inner one first.
 pub(in super::super) type Models = [Arc<dyn Model>];
@@ -23,14 +24,41 @@ pub(in super::super) type Models = [Arc<dyn Model>];
 pub(in super::super) struct PathPeriod {
     pub(super) arm: ArmPeriod,
     pub(super) rest: Rest,
-    /// Direction of each chord in rad at rest before the motion and after it.
+    /// Direction of each chord in rad at rest before the motion and after it, then places of the carriage in m.
     pub(super) rests: Vec<[f64; 2]>,
     /// Chords of the rigid arm, which do not return.
     pub(super) rigid: Vec<AngleHistories>,
+    /// The carriage of the arm.
+    pub(super) carried: Option<Carried>,
     /// The period of the tip, or of the coordinate with the highest cut-off.
     pub(in super::super) tip: Arc<TipPeriod>,
     /// Largest error of each coordinate of the path, in m.
     pub(super) errors_m: Vec<f64>,
+}
+
+/// The carriage of an arm over a period.
+pub(in super::super) struct Carried {
+    pub(super) own: ArmCarriage,
+    pub(super) gravity_m_s2: [f64; 2],
+    /// Displacement in m, rate and acceleration.
+    pub(super) course: CourseHistories,
+}
+
+impl Carried {
+    /// Accelerations of the first axis along x and y in m/s².
+    pub(super) fn accelerations_m_s2(&self) -> Vec<[f64; 2]> {
+        self.course[2].iter().map(|own| self.own.axis.map(|part| own * part)).collect()
+    }
+
+    /// Force on the carriage in N.
+    fn force_n(&self, motion: &ArmMotion) -> Vec<f64> {
+        let ([x_n, y_n], [_, rate, acceleration]) = (&motion.links[0].force_n, &self.course);
+        let force_n = |k: usize| {
+            let moving = [rate[k], acceleration[k]];
+            self.own.force_n(self.gravity_m_s2, moving, [x_n[k], y_n[k]])
+        };
+        (0..x_n.len()).map(force_n).collect()
+    }
 }
 
 /// The answer over one period.
@@ -79,6 +107,13 @@ impl PathPeriod {
         self.tip.spectrum.pair.len()
     }
 
+    /// Force in N that holds the carriage of an arm at rest.
+    pub(super) fn held_n(&self, ArmMotion { links, .. }: &ArmMotion) -> Option<f64> {
+        let Carried { own, gravity_m_s2, .. } = self.carried.as_ref()?;
+        let on_arm_n = links[0].force_n.each_ref().map(|force_n| force_n[0]);
+        Some(own.force_n(*gravity_m_s2, [0.0; 2], on_arm_n))
+    }
+
     /// Number of bins of its band.
     pub(super) fn bins(&self) -> usize {
         self.tip.spectrum.band_len()
@@ -89,6 +124,19 @@ impl ArmAnswer {
     /// Another motion of the same models on the same path.
     pub(super) fn with(&self, motion: ArmMotion) -> Self {
         Self { models: self.models.clone(), motion, path: Arc::clone(&self.path) }
+    }
+
+    /// Number of joints, the carriage included.
+    pub(super) fn joint_count(&self) -> usize {
+        self.models.len() + usize::from(self.path.carried.is_some())
+    }
+
+    /// Torque of a joint in N m, or the force on the carriage in N.
+    pub(super) fn effort(&self, joint: usize) -> Cow<'_, [f64]> {
+        match (self.motion.links.get(joint), &self.path.carried) {
+            (None, Some(carried)) => carried.force_n(&self.motion).into(),
+            _ => Cow::from(&self.motion.links[joint].bent.torque_n_m[..]),
+        }
     }
 
     /// A history of a period, or a derivative of it in time.
@@ -102,6 +150,9 @@ impl ArmAnswer {
 
     /// Histories of a joint, and of its motor where it has a drive.
     pub(super) fn joint(&self, joint: usize) -> JointHistories {
+        if let (None, Some(carried)) = (self.models.get(joint), &self.path.carried) {
+            return JointHistories { angle: carried.course.clone(), motor: None };
+        }
         let bent = bent_rad(&self.motion, joint);
         let chords = [0, 1, 2].map(|part| turned(&self.motion, joint, part));
         let with_chords = |elastic: &[f64]| -> AngleHistories {
@@ -132,24 +183,25 @@ impl ArmAnswer {
     ) -> Vec<Curves> {
         let curves_of = |joint: usize| {
             let JointHistories { angle: [angle, rate, acceleration], motor } = self.joint(joint);
-            let bent = &self.motion.links[joint].bent;
-            let nodes = probes[joint].iter();
+            let nodes = probes.get(joint).map_or(&[][..], Vec::as_slice).iter();
             let displacement_m = |node: &usize| {
                 chronological(&displacement_m(&self.models, &self.motion, joint, *node))
             };
+            let moment_n_m =
+                |node: &usize| chronological(&self.motion.links[joint].bent.moments_n_m[*node]);
             Curves {
-                torque_n_m: chronological(&bent.torque_n_m),
+                torque_n_m: chronological(&self.effort(joint)),
                 hub_angle_rad: chronological(&angle),
                 hub_rate_rad_s: chronological(&rate),
                 hub_acceleration_rad_s2: chronological(&acceleration),
                 displacement_m: nodes.clone().map(displacement_m).collect(),
-                moment_n_m: nodes.map(|node| chronological(&bent.moments_n_m[*node])).collect(),
+                moment_n_m: nodes.map(moment_n_m).collect(),
                 motor: motor.map(|motor| {
                     [motor.torque_n_m, motor.rate_rad_s].map(|values| chronological(&values))
                 }),
             }
         };
-        (0..self.models.len()).into_par_iter().map(curves_of).collect()
+        (0..self.joint_count()).into_par_iter().map(curves_of).collect()
     }
 
     /// The answer of one link as amplitudes at hub and motor.
@@ -168,7 +220,13 @@ impl ArmAnswer {
 
     /// Largest distance in m of the rigid arm's tip from its start, over the samples of its path.
     pub(super) fn way_of_chords_m(&self, given: usize) -> f64 {
-        let [mut x_m, mut y_m] = [vec![0.0; given], vec![0.0; given]];
+        let moved = |part: usize| match &self.path.carried {
+            Some(Carried { own, course, .. }) => {
+                course[0][..given].iter().map(|at_m| own.axis[part] * at_m).collect()
+            }
+            None => vec![0.0; given],
+        };
+        let [mut x_m, mut y_m] = [moved(0), moved(1)];
         for (chord, model) in self.path.rigid.iter().zip(&self.models) {
             let length_m = model.mesh().length_m();
             for k in 0..given {
@@ -183,14 +241,14 @@ impl ArmAnswer {
     pub(super) fn tip_error_m(&self, path: &ArmPath) -> f64 {
         match (path.prescribed(), &self.path.errors_m[..]) {
             (Prescribed::Tip, [x, y, ..]) => (x * x + y * y).sqrt(),
-            // The tip is the sum of the chords: L δθ of each.
+            // The tip is the sum of the chords and the carriage: L δθ of each chord.
             (_, errors_m) => errors_m.iter().sum(),
         }
     }
 
     /// Amplitudes of a torque over the period.
     pub(super) fn torque_amplitudes_n_m(&self, joint: usize) -> Vec<Complex64> {
-        self.path.tip.spectrum.pair.amplitudes(&self.motion.links[joint].bent.torque_n_m)
+        self.path.tip.spectrum.pair.amplitudes(&*self.effort(joint))
     }
 }
 
@@ -222,10 +280,11 @@ fn displacement_m(models: &Models, motion: &ArmMotion, joint: usize, node: usize
     arcs_m.iter().zip(&chord[0]).map(|(arc_m, angle)| arc_m + rigid * angle).collect()
 }
 
-/// All quantities of an arm at rest: one sample of each.
+/// All quantities of an arm at rest before its motion, `end` 0, or after it, `end` 1: one sample of each.
 pub(super) fn curves_at_rest(
     models: &Models,
-    motion: &ArmMotion,
+    path: &PathPeriod,
+    (motion, end): (&ArmMotion, usize),
     probes: &[Vec<usize>],
 ) -> Vec<Curves> {
     let first = |history: &[f64]| vec![history[0]];
@@ -245,5 +304,14 @@ pub(super) fn curves_at_rest(
             motor: drive.map(|drive| [vec![bent.torque_n_m[0] / drive.gear_ratio], vec![0.0]]),
         }
     };
-    (0..models.len()).map(curves_of).collect()
+    let carriage = path.held_n(motion).map(|force_n| Curves {
+        torque_n_m: vec![force_n],
+        hub_angle_rad: vec![path.rests[models.len()][end]],
+        hub_rate_rad_s: vec![0.0],
+        hub_acceleration_rad_s2: vec![0.0],
+        displacement_m: Vec::new(),
+        moment_n_m: Vec::new(),
+        motor: None,
+    });
+    (0..models.len()).map(curves_of).chain(carriage).collect()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::answer::{ArmAnswer, PathPeriod};
 use super::problem::ArmProblem;
 use super::solve::{LEAST_SIZE, Sizes, Solved, Solver};
-use crate::elastica::{ArmMotion, SecondOrder, estimate_arm};
+use crate::elastica::{Iteration, SecondOrder, estimate_arm};
 use crate::inverse::diagnostics::{
     COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link, thick_share,
 };
@@ -50,8 +50,16 @@ impl Solver<'_> {
         Solved { nodes, answer, sizes, .. }: &Solved,
     ) -> Result<Sizes, InversionError> {
         if !self.problem.is_link() {
-            let error = answer.motion.iteration.error;
-            return Ok(sizes.iter().map(|size| size.zip(size, |_, _| error)).collect());
+            let Iteration { error, reaction_n, .. } = answer.motion.iteration;
+            let mut errors: Sizes = sizes.iter().map(|size| size.zip(size, |_, _| error)).collect();
+            // The iteration moves no carriage.
+            if let (Some(_), [.., own], [.., size]) =
+                (&answer.path.carried, &mut errors[..], &sizes[..])
+            {
+                *own = own.zip(own, |_, _| 0.0);
+                own.torque = reaction_n / size.torque;
+            }
+            return Ok(errors);
         }
         let solved = answer.curves(nodes);
         let mut errors = sizes[0].zip(&sizes[0], |_, _| 0.0);
@@ -191,14 +199,16 @@ impl Solver<'_> {
                 uncertain.map(|share| Warning::UncertainInput { of, share }),
             ];
             let mut of_joint: Vec<Warning> = of_errors.into_iter().flatten().collect();
-            let model = &*solved.answer.models[joint];
-            let mesh = model.mesh();
-            of_joint.extend(blocked_tip(mesh, spectrum, tolerance));
+            let model = solved.answer.models.get(joint);
+            of_joint
+                .extend(model.iter().flat_map(|own| blocked_tip(own.mesh(), spectrum, tolerance)));
             of_joint.extend(unsettled.get(joint).copied().flatten());
-            let mut torque = solved.answer.torque_amplitudes_n_m(joint);
-            // The mean torque holds a weight at rest, apart from the motion.
-            torque[0] = 0.0.into();
-            of_joint.extend(thick_share(model, moving, &torque).and_then(thick_link));
+            if let Some(model) = model {
+                let mut torque = solved.answer.torque_amplitudes_n_m(joint);
+                // The mean torque holds a weight at rest, apart from the motion.
+                torque[0] = 0.0.into();
+                of_joint.extend(thick_share(&**model, moving, &torque).and_then(thick_link));
+            }
             let joint = Some(joint);
             warnings.extend(of_joint.into_iter().map(|warning| SolutionWarning { joint, warning }));
         }
@@ -212,19 +222,17 @@ impl Solver<'_> {
     ) -> Result<Vec<Option<Warning>>, InversionError> {
         let problem = &self.problem;
         let none = vec![Vec::new(); sizes.len()];
-        let peaks = |motion: &ArmMotion| -> Vec<f64> {
-            motion.links.iter().map(|link| largest(&link.bent.torque_n_m)).collect()
+        let peaks = |answer: &ArmAnswer| -> Vec<f64> {
+            (0..sizes.len()).map(|joint| largest(&answer.effort(joint))).collect()
         };
         let peaks_of = |problem: &ArmProblem<'_>, path: &Arc<PathPeriod>| {
-            Ok::<_, InversionError>(peaks(
-                &problem.answer(&answer.models, path, Some(&none))?.motion,
-            ))
+            Ok::<_, InversionError>(peaks(&problem.answer(&answer.models, path, Some(&none))?))
         };
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
         let looser = problem.with(SecondOrder::None, looser(&problem.cutoffs));
         let (own, looser) = rayon::join(
             || match problem.second_order {
-                SecondOrder::None => Ok(peaks(&answer.motion)),
+                SecondOrder::None => Ok(peaks(answer)),
                 _ => peaks_of(&linear, &answer.path),
             },
             || peaks_of(&looser, &looser.period(answer.path.len())?),
@@ -251,10 +259,9 @@ fn looser(cutoffs: &[Cutoff]) -> Vec<Cutoff> {
 /// Largest difference of two answers' torques, over their ranges; for a joint that hardly moves, over the largest range
 /// of any.
 fn largest_change(own: &ArmAnswer, other: &ArmAnswer) -> f64 {
-    let torque = |answer: &ArmAnswer, joint: usize| {
-        answer.path.rest.outside_return(&answer.motion.links[joint].bent.torque_n_m)
-    };
-    let changes = (0..own.motion.links.len()).map(|joint| {
+    let torque =
+        |answer: &ArmAnswer, joint: usize| answer.path.rest.outside_return(&answer.effort(joint));
+    let changes = (0..own.joint_count()).map(|joint| {
         let (own, other) = (torque(own, joint), torque(other, joint));
         let [low, high] = extremes(&own);
         (largest_difference(&own, &other), high - low)

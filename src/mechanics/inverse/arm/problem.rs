@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::answer::{ArmAnswer, Models, PathPeriod};
+use super::answer::{ArmAnswer, Carried, Models, PathPeriod};
 use crate::elastica::{
     AngleHistories, ArmMotion, ArmPeriod, Kept, STRETCHED, SecondOrder, estimate, follow_arm,
     follow_arm_at, reaching, returning,
@@ -170,7 +170,8 @@ impl<'a> ArmProblem<'a> {
             let none = vec![0.0; given.len()];
             [given, none.clone(), none]
         };
-        let courses: Vec<_> = path.given().into_iter().map(at_rest).collect();
+        let mut courses: Vec<_> = path.given().into_iter().map(at_rest).collect();
+        take_carriage(self.arm, path, &mut courses);
         let chords = self.chords(&courses, 0)?;
         let noise_m = match path.recording().uncertainty {
             Some(Uncertainty::Noisy { deviation_m, .. }) => DEVIATIONS * deviation_m,
@@ -230,6 +231,11 @@ impl<'a> ArmProblem<'a> {
         Ok(chords.iter().map(|chord| rotated(chord, len - seam % len)).collect())
     }
 
+    /// True if the path moves a carriage.
+    fn moves_carriage(&self) -> bool {
+        self.wanted.path().is_some_and(ArmPath::has_carriage)
+    }
+
     fn kept(&self) -> Kept {
         match self.wanted.path().map(ArmPath::prescribed) {
             Some(Prescribed::Tip) => Kept::Tip,
@@ -268,7 +274,7 @@ impl<'a> ArmProblem<'a> {
         let ends_m = [0.0, spectrum.travel_m()].map(|travel_m| histories.start_m() + travel_m);
         let rests = vec![ends_m.map(angle)];
         let (seam_reach, errors_m) = (spectrum.seam_reach(), vec![tip.tip_error_m()]);
-        self.returned((tip, vec![rigid]), Some(rests), seam_reach, errors_m)
+        self.returned((tip, vec![rigid], None), Some(rests), seam_reach, errors_m)
     }
 
     /// The path over a period; with `stray` it has possible errors of its samples, different for each number.
@@ -279,11 +285,13 @@ impl<'a> ArmProblem<'a> {
     ) -> Result<Arc<PathPeriod>, InversionError> {
         check_memory(len, 0, self.resources.memory_bytes)?;
         let seam = self.padding.seam(path.grid().len, len);
-        let sampled = path.over_period((len, seam), &self.cutoffs, stray);
+        let mut sampled = path.over_period((len, seam), &self.cutoffs, stray);
+        let carriage = take_carriage(self.arm, path, &mut sampled.courses);
         let rigid = self.chords(&sampled.courses, seam)?;
         // A path that has passed its checks moves at least one coordinate.
         let tip = sampled.period.ok_or(InversionError::OutOfRange { peak_n_m: 0.0 })?;
-        self.returned((tip, rigid), None, sampled.seam_reach, sampled.errors_m).map(Arc::new)
+        let courses = (tip, rigid, carriage);
+        self.returned(courses, None, sampled.seam_reach, sampled.errors_m).map(Arc::new)
     }
 
     /// Refuses answers on all these meshes at once if they exceed the memory limit.
@@ -368,7 +376,7 @@ impl<'a> ArmProblem<'a> {
     /// that it fades out and in again while the chords return. One link rings on around its `rests`.
     fn returned(
         &self,
-        (tip, rigid): (Arc<TipPeriod>, Vec<AngleHistories>),
+        (tip, rigid, mut carriage): (Arc<TipPeriod>, Vec<AngleHistories>, Option<CourseHistories>),
         rests: Option<Vec<[f64; 2]>>,
         seam_reach: usize,
         errors_m: Vec<f64>,
@@ -383,7 +391,7 @@ impl<'a> ArmProblem<'a> {
         let fading: Vec<f64> = fading.collect();
         let at_ends =
             |[angle, ..]: &AngleHistories| [angle[samples.end % len], angle[samples.start - 1]];
-        let rests = rests.unwrap_or_else(|| rigid.iter().map(at_ends).collect());
+        let rests = rests.unwrap_or_else(|| rigid.iter().chain(&carriage).map(at_ends).collect());
         let (mut chords, mut turns) = (rigid.clone(), 0.0);
         for (link, [angle, rate, acceleration]) in chords.iter_mut().enumerate() {
             let [before, after] = rests[link];
@@ -400,9 +408,20 @@ impl<'a> ArmProblem<'a> {
             }
         }
         let (step_s, gravity_m_s2) = (tip.spectrum.step_s, self.arm.gravity_m_s2());
-        let arm = self.sliding(ArmPeriod::new(step_s, chords, self.kept(), gravity_m_s2)?);
+        let mut arm = self.sliding(ArmPeriod::new(step_s, chords, self.kept(), gravity_m_s2)?);
+        if let Some([_, rate, acceleration]) = &mut carriage {
+            for (k, share) in samples.clone().zip(&fading) {
+                rate[k] *= share;
+                acceleration[k] *= share;
+            }
+        }
+        let carried = self.arm.carriage().copied().zip(carriage);
+        let carried = carried.map(|(own, course)| Carried { own, gravity_m_s2, course });
+        if let Some(carried) = carried.as_ref().filter(|_| self.moves_carriage()) {
+            arm = arm.carried_by(carried.accelerations_m_s2());
+        }
         let rest = Rest::of(&tip.spectrum, seam_reach, samples);
-        Ok(PathPeriod { arm, rest, rests, rigid, tip, errors_m })
+        Ok(PathPeriod { arm, rest, rests, rigid, carried, tip, errors_m })
     }
 
     /// The period, of a link that slides in its direction.
@@ -420,7 +439,7 @@ impl<'a> ArmProblem<'a> {
             let held = |rests: &[f64; 2]| {
                 [vec![rests[end]; AT_REST], vec![0.0; AT_REST], vec![0.0; AT_REST]]
             };
-            let chords = path.rests.iter().map(held).collect();
+            let chords = path.rests.iter().take(path.rigid.len()).map(held).collect();
             let period = ArmPeriod::new(1.0, chords, self.kept(), self.arm.gravity_m_s2())?;
             Ok(follow_arm(
                 models,
@@ -447,6 +466,9 @@ impl<'a> ArmProblem<'a> {
 /// # Errors
 /// [`InversionError`] with the sample.
 pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<Warning>, InversionError> {
+    if path.has_carriage() && arm.carriage().is_none() {
+        return Err(InversionError::NoCarriage);
+    }
     if path.prescribed() == Prescribed::Angles {
         return Ok(None);
     }
@@ -457,7 +479,7 @@ pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<Warning>, Inversi
     let [l1, l2] = [lengths_m[0], lengths_m[1]];
     let (least_m, most_m) = ((l1 - l2).abs(), l1 + l2);
     let mut least = (0, 1.0);
-    for (sample, (distance_m, cosine)) in elbows(path, &lengths_m).enumerate() {
+    for (sample, (distance_m, cosine)) in elbows(arm, path, &lengths_m).enumerate() {
         if !(-1.0..=1.0).contains(&cosine) {
             return Err(InversionError::OutOfReach { sample, distance_m, least_m, most_m });
         }
@@ -474,9 +496,34 @@ pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<Warning>, Inversi
     Ok((sine < NEARLY_STRETCHED).then_some(Warning::NearlyStretched { sine, time_s }))
 }
 
+/// Takes the carriage out of the courses of a path, which become those of an arm with a fixed first axis. Without a
+/// course the carriage stays at 0. `None` for an arm without a carriage.
+fn take_carriage(
+    arm: &Arm,
+    path: &ArmPath,
+    courses: &mut Vec<CourseHistories>,
+) -> Option<CourseHistories> {
+    let axis = arm.carriage()?.axis;
+    if !path.has_carriage() {
+        return courses.first().map(|course| course.each_ref().map(|own| vec![0.0; own.len()]));
+    }
+    let carriage = courses.pop()?;
+    if path.prescribed() == Prescribed::Tip {
+        for (place, part) in courses.iter_mut().zip(axis) {
+            for (own, moved) in place.iter_mut().flatten().zip(carriage.iter().flatten()) {
+                *own -= part * moved;
+            }
+        }
+    }
+    Some(carriage)
+}
+
 /// Distance in m of the second link's end from the first joint, and cosine of the elbow's angle, at each sample.
-fn elbows(path: &ArmPath, lengths_m: &[f64]) -> impl Iterator<Item = (f64, f64)> {
-    let places = path.given();
+fn elbows(arm: &Arm, path: &ArmPath, lengths_m: &[f64]) -> impl Iterator<Item = (f64, f64)> {
+    let mut courses: Vec<CourseHistories> =
+        path.given().into_iter().map(|own| [own, Vec::new(), Vec::new()]).collect();
+    take_carriage(arm, path, &mut courses);
+    let places: Vec<Vec<f64>> = courses.into_iter().map(|[own, ..]| own).collect();
     (0..path.grid().len).map(move |k| {
         let outer = places[2..].iter().zip(&lengths_m[2..]);
         let [x, y] = outer.fold([places[0][k], places[1][k]], |[x, y], (angle, length_m)| {

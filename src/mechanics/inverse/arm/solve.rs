@@ -293,7 +293,8 @@ impl Solver<'_> {
         }
         let way_m = answer.way_of_chords_m(self.problem.wanted.grid().len);
         let sizes: Sizes = curves.iter().map(|own| own.sizes(has_weight, way_m)).collect();
-        let largest = sizes.iter().fold(sizes[0], |most, own| most.zip(own, f64::max));
+        let of_links = &sizes[..probes.len()];
+        let largest = of_links.iter().fold(sizes[0], |most, own| most.zip(own, f64::max));
         let floored = |own: &PerQuantity<f64>| PerQuantity {
             motor_torque: own.motor_torque,
             motor_rate: own.motor_rate,
@@ -369,12 +370,17 @@ impl Solver<'_> {
         let Some(rests) = rests else {
             return (whole, vec![PerQuantity::default(); sizes.len()]);
         };
-        let at_rest =
-            |joint: usize| rests.each_ref().map(|rest| rest.links[joint].bent.torque_n_m[0]);
+        let at_rest = |joint: usize| {
+            rests.each_ref().map(|rest| match rest.links.get(joint) {
+                Some(link) => link.bent.torque_n_m[0],
+                None => answer.path.held_n(rest).unwrap_or(0.0),
+            })
+        };
         let beyond = |samples: &[f64], rests| answer.path.rest.beyond(samples, rests);
-        let joints = sizes.iter().enumerate().map(|(joint, size)| {
-            (beyond(&answer.motion.links[joint].bent.torque_n_m, at_rest(joint)), size.torque)
-        });
+        let joints = sizes
+            .iter()
+            .enumerate()
+            .map(|(joint, size)| (beyond(&answer.effort(joint), at_rest(joint)), size.torque));
         let joints: Vec<(Vec<f64>, f64)> = joints.collect();
         let drive = answer.models[0].link().drive().filter(|_| problem.is_link());
         let motor = drive.and_then(|drive| {
@@ -440,7 +446,8 @@ fn left_at_rest(
 ) -> Result<([ArmMotion; 2], Sizes), InversionError> {
     let models = &answer.models;
     let rests = problem.at_rest(models, &answer.path)?;
-    let [first, last] = rests.each_ref().map(|rest| curves_at_rest(models, rest, nodes));
+    let [first, last] =
+        [0, 1].map(|end: usize| curves_at_rest(models, &answer.path, (&rests[end], end), nodes));
     let reaches = answer.path.rest.reaches(problem.wanted.grid().len);
     let curves = answer.curves(nodes);
     let ends = first.into_iter().zip(last).zip(&curves).zip(sizes);

@@ -33,21 +33,25 @@ impl ArmAnswer {
     ) -> Vec<JointMotion> {
         let rigid: Vec<AngleHistories> =
             self.path.rigid.iter().map(|chord| cut_all(chord, grid)).collect();
-        let rigid_torques_n_m = rigid_torques_n_m(arm, &rigid);
+        let carriage = self.path.carried.as_ref().map(|own| cut_all(&own.course, grid));
+        let rigid_torques_n_m = rigid_torques_n_m(arm, &rigid, carriage.as_ref());
         let motion_of = |(joint, rigid_torque_n_m): (usize, Vec<f64>)| {
             let JointHistories { angle, motor } = self.joint(joint);
-            let link = &self.motion.links[joint];
+            let force_n = self.motion.links.get(joint).map(|link| cut_all(&link.force_n, grid));
             let before = joint.checked_sub(1).map(|before| &rigid[before][0]);
-            let rigid_angle_rad = relative(&rigid[joint][0], before);
+            let rigid_angle_rad = match (rigid.get(joint), &carriage) {
+                (Some([rigid, ..]), _) => relative(rigid, before),
+                (None, carriage) => carriage.iter().flat_map(|[own, ..]| own.clone()).collect(),
+            };
             let [angle_rad, rate_rad_s, acceleration_rad_s2] = cut_all(&angle, grid);
             JointMotion {
-                torque_n_m: cut(&link.bent.torque_n_m, grid),
+                torque_n_m: cut(&self.effort(joint), grid),
                 rigid_torque_n_m,
                 angle_rad,
                 rate_rad_s,
                 acceleration_rad_s2: Some(acceleration_rad_s2),
                 rigid_angle_rad,
-                force_n: Some(cut_all(&link.force_n, grid)),
+                force_n,
                 motor: motor.map(|motor| MotorHistories {
                     torque_n_m: cut(&motor.torque_n_m, grid),
                     angle_rad: cut(&motor.angle_rad, grid),
@@ -62,9 +66,15 @@ impl ArmAnswer {
 
     /// The links over a window, and x and y of the tip with their derivatives.
     pub(super) fn links(&self, grid: &TimeGrid) -> (Vec<LinkMotion>, Vec<TipMotionHistories>) {
-        let none = || [0, 1, 2].map(|_| vec![0.0; grid.len]);
+        let carried = self.path.carried.as_ref();
+        let carried = carried.map(|own| (own.own.axis, cut_all(&own.course, grid)));
         // Place, velocity and acceleration of the joint.
-        let mut axis = [none(), none()];
+        let mut axis = [0, 1].map(|part: usize| match &carried {
+            Some((axis, course)) => {
+                course.each_ref().map(|own| own.iter().map(|at| axis[part] * at).collect())
+            }
+            None => [0, 1, 2].map(|_| vec![0.0; grid.len]),
+        });
         let mut links = Vec::new();
         for (link, model) in self.motion.links.iter().zip(&self.models) {
             let nodes_m = model.mesh().nodes_m();
@@ -142,15 +152,21 @@ struct RigidLink {
     friction_n_m_s_rad: f64,
 }
 
-/// Torques in N m of the joints of an arm of rigid links with these directions.
+/// Torques in N m of the joints of an arm of rigid links with these directions, and the force in N on its carriage, which
+/// moves by this course.
 ///
 /// ```text
-/// a₁ = −g,   aᵢ₊₁ = aᵢ + Lᵢ c,   c = −θ̇ᵢ² e + θ̈ᵢ n
+/// a₁ = ü − g,   aᵢ₊₁ = aᵢ + Lᵢ c,   c = −θ̇ᵢ² e + θ̈ᵢ n
 /// Fᵢ = mᵢ aᵢ + Sᵢ c + Fᵢ₊₁,   Tᵢ = Iᵢ θ̈ᵢ + (Sᵢ aᵢ + Lᵢ Fᵢ₊₁)·n + Tᵢ₊₁
 /// ```
 ///
 /// Friction comes last: like the torque it acts between two links.
-fn rigid_torques_n_m(arm: &Arm, chords: &[AngleHistories]) -> Vec<Vec<f64>> {
+fn rigid_torques_n_m(
+    arm: &Arm,
+    chords: &[AngleHistories],
+    carriage: Option<&AngleHistories>,
+) -> Vec<Vec<f64>> {
+    let carriage = arm.carriage().zip(carriage);
     let links: Vec<RigidLink> = arm
         .links()
         .iter()
@@ -163,10 +179,13 @@ fn rigid_torques_n_m(arm: &Arm, chords: &[AngleHistories]) -> Vec<Vec<f64>> {
         })
         .collect();
     let samples = chords[0][0].len();
-    let mut torques_n_m = vec![Vec::with_capacity(samples); links.len()];
+    let mut torques_n_m = vec![Vec::with_capacity(samples); arm.joints().count()];
     let mut axes = Vec::with_capacity(links.len());
     for k in 0..samples {
         let mut axis = arm.gravity_m_s2().map(|part| -part);
+        if let Some((own, [_, _, acceleration])) = carriage {
+            axis = [0, 1].map(|part| axis[part] + acceleration[k] * own.axis[part]);
+        }
         axes.clear();
         for (link, chord) in links.iter().zip(chords) {
             let [angle, rate, turning] = [0, 1, 2].map(|part| chord[part][k]);
@@ -189,6 +208,10 @@ fn rigid_torques_n_m(arm: &Arm, chords: &[AngleHistories]) -> Vec<Vec<f64>> {
             let before = number.checked_sub(1).map_or(0.0, |before| chords[before][1][k]);
             let friction_n_m = link.friction_n_m_s_rad * (chords[number][1][k] - before);
             torques_n_m[number].push(torque_n_m + friction_n_m);
+        }
+        if let Some((own, [_, rate, acceleration])) = carriage {
+            let moving = [rate[k], acceleration[k]];
+            torques_n_m[links.len()].push(own.force_n(arm.gravity_m_s2(), moving, force_n));
         }
     }
     torques_n_m
