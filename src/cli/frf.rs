@@ -123,9 +123,6 @@ impl Frf {
             keep_files(output, &[&self.link.link])?;
         }
         let (_, specification) = self.link.load()?;
-        if self.at.is_some() {
-            refuse_direction(&specification.arm)?;
-        }
         let bar = StageBar::new();
         bar.at("computing responses");
         let Responses { columns, error, falls, has_weight } = self.compute(&specification)?;
@@ -142,6 +139,9 @@ impl Frf {
 
     /// The response of a link without gravity, of a link on a carriage with its weight, or of a link or an arm in a pose.
     pub fn compute(&self, specification: &Specification) -> Result<Responses, Failure> {
+        if self.at.is_some() {
+            refuse_direction(&specification.arm)?;
+        }
         match specification.arm.alone().filter(|_| self.at.is_none()) {
             Some(_) => self.compute_level(specification),
             None => self.compute_in_pose(specification),

@@ -564,8 +564,8 @@ mod tests {
             ),
             (
                 "[[response]]\nfile = 'f.csv'\ntransfer = 'tip_deflection'\nloop = 'closed'\n".to_owned(),
-                "m.toml:3: response.0.transfer must be \"hub_angle\" or \"hub_rate\" beside loop = \
-                 \"closed\": no other sensor has the zeros of the clamped link",
+                "m.toml:3: response.0.transfer must be \"hub_angle\" or \"hub_rate\", or \"carriage\" or \
+                 \"carriage_velocity\", beside loop = \"closed\": no other sensor has the zeros of the clamped link",
             ),
             (
                 MOTOR.replace("8.4", "0"),
