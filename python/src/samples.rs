@@ -141,13 +141,11 @@ pub(crate) type Pickled<'py> = (Option<(String, String, Vec<u8>)>, Bound<'py, Py
 
 /// Names of the columns of a motion of this many links.
 fn names(links: usize) -> Vec<String> {
-    match links {
-        1 => OF_LINK.map(str::to_owned).to_vec(),
-        _ => {
-            let names = OF_TIP.map(str::to_owned).into_iter().chain((1..=links).map(angle));
-            names.chain(["carriage".to_owned()]).collect()
-        }
+    if links == 1 {
+        return OF_LINK.map(str::to_owned).to_vec();
     }
+    let names = OF_TIP.map(str::to_owned).into_iter().chain((1..=links).map(angle));
+    names.chain(["carriage".to_owned()]).collect()
 }
 
 /// Name of the direction of a link, counted from 1.
