@@ -143,7 +143,9 @@ pub(super) fn list(values: &[f64], digits: usize) -> String {
 
 /// Angle that a hub turns, or start and end angle of an arm's joint.
 pub(super) fn turned(end_angles_rad: Option<[f64; 2]>, peak_rad: Peak) -> String {
-    match end_angles_rad.map(four) {
+    // An end far below the last digit of the turn is 0.
+    let clear = |end: f64| if end.abs() < 1e-5 * peak_rad.value { 0.0 } else { end };
+    match end_angles_rad.map(|ends| four(ends.map(clear))) {
         Some([from, to]) => format!("turns from {from} to {to} rad"),
         None => format!("turns by up to {} rad", significant(peak_rad.value, 4)),
     }
