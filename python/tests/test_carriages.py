@@ -69,3 +69,28 @@ def test_force_and_motion_bring_the_tip_along(
     nodes = solution.displacements()
     np.testing.assert_allclose(run.displacements(), nodes, atol=1e-9)
     assert "carriage" in solution.to_pandas().columns
+
+
+def test_an_arm_on_a_carriage_has_its_force(tmp_path: Path) -> None:
+    arm = flexlink.Arm.read(ROOT / "specs/carriages/gantry_arm.toml")
+    solution = flexlink.solve(arm, ROOT / "trajectories/arms/gantry_1.5s.csv")
+    for name in ("force", "rigid_force", "carriage", "carriage_velocity", "carriage_acceleration"):
+        assert getattr(solution, name).shape == solution.time.shape, name
+    assert solution.torque.shape[-1] == 2 or solution.torque.shape[0] == 2
+    peak = solution.results["carriage"]["peak_force_n"]
+    assert abs(solution.force).max() == pytest.approx(peak, rel=1e-4)
+    # All of the mass, 12 + 1.16 + 0.54 kg of links and bodies, starts and ends at rest without weight along the rail.
+    impulse = np.trapezoid(solution.force - 20.0 * solution.carriage_velocity, solution.time)
+    assert abs(impulse) < 1e-4 * np.trapezoid(abs(solution.force), solution.time)
+    solution.write(tmp_path / "run")
+    run = flexlink.read(tmp_path / "run")
+    np.testing.assert_allclose(run.force, solution.force, atol=1e-5)
+    np.testing.assert_allclose(run.carriage, solution.carriage, atol=1e-8)
+
+
+def test_a_standing_sheet_is_played_with_its_weight() -> None:
+    sheet = flexlink.Link.read(ROOT / "specs/carriages/sheet.toml")
+    motion = flexlink.trajectory("septic", distance=0.05, duration=1.5, step=0.005)
+    solution = flexlink.solve(sheet, motion["time"], acceleration=motion["acceleration"])
+    played = flexlink.simulate(sheet, solution.time, force=solution.force)
+    assert abs(played.tip_displacement - solution.tip_displacement).max() < 1e-6 * 0.05
