@@ -408,13 +408,14 @@ pub(super) fn cited(view: &View, figures: [Option<u8>; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::{Carriage, LinkParts, uniform};
+    use crate::link::{Carriage, Hub, LinkParts, uniform};
     use crate::result::Exceeded;
 
     #[test]
     fn texts_and_labels_of_a_page_become_those_of_a_carriage() {
-        let [hub, carriage] = [None, Some(Carriage::default())]
-            .map(|carriage| Link::new(LinkParts { carriage, ..uniform() }).unwrap());
+        let [hub, carriage] = [None, Some(Carriage::default())].map(|carriage| {
+            Link::new(LinkParts { carriage, hub: Hub::default(), ..uniform() }).unwrap()
+        });
         let page = |text: &str| worded(&carriage, text.to_owned());
         for (of_hub, own) in [
             ("<h1>A torque at the hub</h1>", "<h1>A torque at the hub</h1>"),
