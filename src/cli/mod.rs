@@ -23,10 +23,10 @@ use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::cli::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory};
 
-/// Hub torque that makes the tip of a flexible link follow a wanted motion.
+/// Torque at a hub, or force on a carriage, that makes the tip of a flexible link follow a wanted motion.
 ///
-/// The link turns about its hub, in the horizontal plane or under gravity; the motion goes from rest to
-/// rest. The torque starts before the tip moves and outlasts its motion, because bending waves travel at
+/// The link turns about its hub or slides with its carriage, in the horizontal plane or under gravity; the
+/// motion goes from rest to rest. The torque starts before the tip moves and outlasts its motion, because bending waves travel at
 /// finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).
 #[derive(Debug, Parser)]
 #[command(name = "flexlink")] // in Python's extension, too, whose package has another name

@@ -57,18 +57,30 @@ pub(super) fn torque(view: &View, joint: usize) -> Figure {
     Figure { spans: view.lead_and_lag(joint), ..figure }.by(torque_formula(view))
 }
 
-/// Force on the carriage of an arm, and its place.
-pub(super) fn carriage(view: &View) -> Option<[Figure; 2]> {
-    let own = &view.first().carriage.as_ref()?.joint;
-    let lines = |name: &str, of: fn(&StoredJoint) -> &Vec<f64>| {
+/// Quantities of the carriage of an arm that are drawn if they have a limit: its key, title, axis and unit.
+const OF_CARRIAGE: [([&str; 4], fn(&StoredJoint) -> Cow<[f64]>); 3] = [
+    (["hub_rate", "Speed of the carriage", "speed", "m/s"], |joint| Cow::from(&joint.rate_rad_s)),
+    (["hub_acceleration", "Acceleration of the carriage", "acceleration", "m/s²"], |joint| {
+        Cow::from(&joint.acceleration_rad_s2)
+    }),
+    (["power", "Power at the carriage", "power", "W"], |joint| {
+        power_w(&joint.torque_n_m, &joint.rate_rad_s)
+    }),
+];
+
+/// Force on the carriage of an arm, its place, and its quantities with a limit.
+pub(super) fn carriage(view: &View) -> Vec<Figure> {
+    let Some(carriage) = view.first().carriage.as_ref() else { return Vec::new() };
+    let own = &carriage.joint;
+    let lines = |name: &str, of: fn(&StoredJoint) -> Cow<[f64]>| {
         view.of_runs(name, |arm| {
             let carriage = arm.carriage.as_ref()?;
-            Some((&arm.times_s, Cow::from(of(&carriage.joint))))
+            Some((&arm.times_s, of(&carriage.joint)))
         })
     };
     let force = |name: &str, history: &[f64]| peak_words(own.reading(name), history);
     let mut caption = format!("At most {} N.", force("peak_force_n", &own.torque_n_m));
-    let mut curves = lines("flexible arm", |joint| &joint.torque_n_m);
+    let mut curves = lines("flexible arm", |joint| Cow::from(&joint.torque_n_m));
     if let Some(rigid) = &own.rigid_torque_n_m {
         let peak = force("peak_rigid_force_n", rigid);
         let _ = write!(caption, " Were the links rigid, it would be {peak} N.");
@@ -77,10 +89,21 @@ pub(super) fn carriage(view: &View) -> Option<[Figure; 2]> {
     caption.push_str(&Curve::add_limit(&mut curves, (own.limits.of("torque"), 0.0), ("", "N"), 1));
     let title = "Force on the carriage";
     let figure = view.figure("carriage-force", title, caption, ("force", "N"), curves);
-    let places = lines("carriage", |joint| &joint.angle_rad);
-    let (title, caption) = ("Place of the carriage", "Place along the rail, from the path.");
-    let place = view.figure("carriage", title, caption.to_owned(), ("place", "m"), places);
-    Some([figure.by(formula::CARRIAGE_FORCE), place])
+    let mut places = lines("carriage", |joint| Cow::from(&joint.angle_rad));
+    let mut caption = "Place along the rail, from the path.".to_owned();
+    let travel = (own.limits.of("hub_angle"), own.angle_rad[0]);
+    caption.push_str(&Curve::add_limit(&mut places, travel, ("", "m"), 1));
+    let title = "Place of the carriage";
+    let place = view.figure("carriage", title, caption, ("place", "m"), places);
+    let limited = OF_CARRIAGE.iter().filter_map(|([key, title, axis, unit], of)| {
+        let limit = own.limits.of(key)?;
+        let mut curves = lines("flexible arm", *of);
+        let mut caption = format!("At most {} {unit}.", significant(largest(&of(own)), 4));
+        caption.push_str(&Curve::add_limit(&mut curves, (Some(limit), 0.0), ("", unit), 1));
+        let id = format!("carriage-{axis}");
+        Some(view.figure(id, title, caption, (axis, unit), curves))
+    });
+    [figure.by(formula::CARRIAGE_FORCE), place].into_iter().chain(limited).collect()
 }
 
 /// Formula of a torque, for a solution with its second-order terms.

@@ -58,7 +58,7 @@ fn run_figures(view: &View) -> Figures {
         figures.add(Ok(joint::torque(view, joint)));
         figures.extend(joint::MOTOR_TORQUE.figure(view, joint).map(Ok));
     }
-    figures.extend(joint::carriage(view).into_iter().flatten().map(Ok));
+    figures.extend(joint::carriage(view).into_iter().map(Ok));
     let motion = view.link.map(|run| tip::motion(view, run));
     let [acceleration, displacement] = motion.map_or([None, None], |motion| motion.map(Some));
     figures.add(Ok(displacement.unwrap_or_else(|| tip::place(view))));

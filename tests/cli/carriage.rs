@@ -792,7 +792,7 @@ fn an_arm_on_a_carriage_has_its_force_in_every_folder() {
     assert!((bench.number("out", "errors/carriage/force/mesh")).abs() < 1e-6);
     assert!((bench.number("out", "limits/2/force_n") - 300.0).abs() < 1e-9);
     let page = bench.read("out/report.html");
-    assert!(page.contains("Force on the carriage") && page.contains("base_m"), "the page");
+    assert!(page.contains("Force on the carriage") && page.contains("\"base_m\":["), "the page");
     let text = stdout(&succeeded(bench.run(&format!("solve --repeat out {GANTRY}"))));
     assert!(text.contains("byte for byte"), "{text}");
     succeeded(bench.run("compare out out"));
@@ -848,8 +848,9 @@ fn what_an_arm_on_a_carriage_does_not_take_is_refused_in_words() {
         (3, format!("solve {GANTRY} --set carriage.root_stiffness=1"), "is for one link"),
         (3, format!("solve {GANTRY} --set limits.deflection=1"), "is a limit of a link"),
         (3, format!("solve {GANTRY} --set limits.motor_rate=1"), "must come with a [drive]"),
+        (3, format!("solve {GANTRY} --set carriage.axis=[1,0,0]"), "must hold two numbers"),
         (3, format!("solve {MAST} {path} --set carriage.axis=[1,0]"), "two links or more"),
-        (3, format!("simulate specs/carriages/gantry_arm.toml {path} --at 0,1"), "torque"),
+        (3, format!("solve {MAST} {path} --set limits.bending_moment=-1"), "= -1 N m, but"),
     ];
     for (exit, words, expected) in cases {
         let told = stderr(&ended(exit, bench.run(&words)));
@@ -863,4 +864,47 @@ fn what_an_arm_on_a_carriage_does_not_take_is_refused_in_words() {
         bench.run("modes specs/carriages/gantry_arm.toml --at=-1,0.35 --count 2"),
     ));
     assert!(text.contains("the carriage is held at 0"), "{text}");
+}
+
+#[test]
+fn few_digits_of_a_carriages_place_are_an_error_of_the_force() {
+    let bench = Bench::new();
+    let path = bench.read("trajectories/arms/gantry_1.5s.csv");
+    let rows = path.lines().map(|line| match line.rsplit_once(',') {
+        Some((before, place)) => {
+            place.parse::<f64>().map_or(line.to_owned(), |place| format!("{before},{place:.4}"))
+        }
+        None => line.to_owned(),
+    });
+    bench.write("rounded.csv", &rows.collect::<Vec<_>>().join("\n"));
+    let solved = "solve specs/carriages/gantry_arm.toml";
+    bench.done(&format!("{solved} rounded.csv -o rounded --digits full --quiet"));
+    bench.done(&format!(
+        "{solved} trajectories/arms/gantry_1.5s.csv -o exact --digits full --quiet"
+    ));
+    let [own, exact] =
+        ["rounded", "exact"].map(|folder| bench.number(folder, "results/carriage/peak_force_n"));
+    let input = bench.number("rounded", "errors/carriage/force/input");
+    let off = (own / exact - 1.0).abs();
+    assert!(off < input && input < 0.5, "{off:e} {input:e}");
+}
+
+#[test]
+fn a_sweep_names_the_limit_of_a_carriage_by_its_key() {
+    let bench = bench();
+    let limits = "--set limits.force=300 --vary carriage.mass=12,20";
+    bench.done(&format!("sweep {GANTRY} {limits} -o arm.csv"));
+    assert_eq!(bench.cells("arm.csv", "warnings")[1], "limit_exceeded:carriage.force");
+    let limits = "--set limits={force=4000,carriage_travel=1.9} --vary payload.mass=40,80";
+    bench.done(&format!("sweep {MAST} move.csv {limits} -o mast.csv"));
+    let warned = &bench.cells("mast.csv", "warnings")[0];
+    assert_eq!(warned, "limit_exceeded:force;limit_exceeded:carriage_travel");
+}
+
+#[test]
+fn places_of_a_link_on_a_carriage_are_refused_with_a_remedy() {
+    let bench = Bench::new();
+    bench.write("places.csv", "time,x,y\n0,1,0\n0.1,1,0.1\n0.2,1,0.2\n0.3,1,0.2\n");
+    let told = stderr(&ended(3, bench.run("solve specs/carriages/sheet.toml places.csv")));
+    assert!(told.contains("from the carriage") && told.contains("as displacement"), "{told}");
 }

@@ -197,7 +197,15 @@ impl ResampleArgs {
         read: &ReadArgs,
     ) -> Result<(Wanted, Reading), Failure> {
         let (lengths_m, format) = (arm.lengths_m(), self.format(read));
-        let table = read_motion_table_as(&file.shown, &file.bytes, &lengths_m, &format)?;
+        let table = read_motion_table_as(&file.shown, &file.bytes, &lengths_m, &format);
+        let table = table.map_err(|error| {
+            let failure = Failure::from(error);
+            // Places turn about a hub; a carriage has none.
+            let is_turned = arm.joint().slides() && failure.message.contains(" x and y ");
+            let hint = "write the motion as displacement: a link on a carriage does not turn";
+            let hint = is_turned.then(|| hint.to_owned()).or(failure.hint);
+            Failure { message: arm.worded(&failure.message), hint, ..failure }
+        })?;
         let reading = table.reading().clone();
         Ok((self.motion_in(table, Some(arm))?, reading))
     }

@@ -40,10 +40,11 @@ const USAGE: &str = "\
 flexlink solve [OPTIONS] <LINK> <MOTION>
        flexlink solve --repeat <DIR> [LINK [MOTION]]";
 
-/// Compute the hub torque for a tip motion.
+/// Compute the torque at the hub, or the force on the carriage, for a tip motion.
 ///
 /// Writes torque.csv, rigid_torque.csv, hub_angle.csv, nodal_displacements.csv, tip.csv, nodes.csv and
-/// summary.json into a folder, all or none of them, and prints a short summary.
+/// summary.json into a folder, all or none of them, and prints a short summary. A carriage has force.csv,
+/// rigid_force.csv and carriage.csv.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE, override_usage = USAGE)]
 pub(crate) struct Solve {

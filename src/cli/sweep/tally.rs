@@ -1,5 +1,6 @@
 //! Counts of failures, warnings and remarks of all cases of a sweep.
 
+use crate::link::Arm;
 use crate::result::{Exceeded, Notice, Remark};
 use crate::store::SweptCase;
 
@@ -7,10 +8,13 @@ use crate::cli::terminal::{Exit, Failure, console};
 
 const NAMED: &str = "the columns warnings and error name them";
 
-/// The warning of an exceeded limit. Its kind contains the limit's key, as in the table.
-pub fn of_limit(limit: &Exceeded) -> Notice {
-    let joint = limit.0.joint.map(|joint| format!("joint{}.", joint + 1));
-    let kind = format!("{}:{}{}", Exceeded::KIND, joint.unwrap_or_default(), limit.0.key);
+/// The warning of an exceeded limit. Its kind contains the limit's key, as in the file.
+pub fn of_limit(limit: &Exceeded, arm: &Arm) -> Notice {
+    let own = &limit.0;
+    let of = own.joint.map(|joint| arm.name_of_joint(joint).replace(' ', "") + ".");
+    let joint = arm.joints().nth(own.joint.unwrap_or(0));
+    let key = joint.map_or(own.key.to_owned(), |joint| joint.named(own.key));
+    let kind = format!("{}:{}{key}", Exceeded::KIND, of.unwrap_or_default());
     Notice { kind, ..Notice::from(limit) }
 }
 

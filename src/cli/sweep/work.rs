@@ -81,7 +81,7 @@ impl Cases<'_> {
         }
         let notices = solution.warnings.iter();
         let notices = notices.map(|own| Notice::from(own).worded(&solution.arm));
-        let limits = exceeded.iter().map(|own| of_limit(own).worded(&solution.arm));
+        let limits = exceeded.iter().map(|own| of_limit(own, &solution.arm).worded(&solution.arm));
         let notices = notices.chain(limits).collect();
         // The tally alone does not need a link's modes above the first.
         let remarks = solved.remarks_on(Some(found.first_rad_s.as_slice()));
@@ -151,7 +151,7 @@ impl Cases<'_> {
             memory::check_nodes(outputs.simulation_bytes(played), memory_bytes)?;
             run.write(inputs, &outputs, || self.stage(&folder))?;
         }
-        let notices = run.notices(of_limit);
+        let notices = run.notices(|limit| of_limit(limit, &own.arm));
         Ok((numbers, notices, remarks.clone()))
     }
 

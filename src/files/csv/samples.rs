@@ -3,7 +3,8 @@
 use super::columns::{Columns, FirstRow, Header};
 use super::format::{Delimiter, Dialect, Reading, TableFormat};
 use super::heading::{
-    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME, VELOCITY,
+    ACCELERATION, ANGLE, ANGLES, CARRIAGE, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME,
+    VELOCITY,
 };
 use super::input::{Place, TableError, quoted};
 use super::rows::read_rows_as;
@@ -213,7 +214,7 @@ impl Samples {
 /// True for quantities that a motion or a path prescribes, whose digits show how exact they are.
 fn is_followed(quantity: Quantity) -> bool {
     let of_a_tip = [ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE, PATH_X, PATH_Y];
-    of_a_tip.contains(&quantity) || ANGLES.contains(&quantity)
+    of_a_tip.contains(&quantity) || quantity == CARRIAGE || ANGLES.contains(&quantity)
 }
 
 /// The uniform grid of times in a file with these `lines`.

@@ -177,8 +177,11 @@ pub(super) fn limits(
     };
     let limits = raw.0.iter().map(of_joint).collect::<Result<Vec<_>, _>>()?;
     let worded = |error: ParameterError| {
-        let [parameter, found] = [&error.parameter, &error.found].map(|text| joint.worded(text));
-        ParameterError { parameter, found, ..error }
+        let parameter = joint.worded(&error.parameter);
+        // Limits of moments and motors keep their names and units.
+        let is_of_joint = parameter != error.parameter;
+        let found = if is_of_joint { joint.worded(&error.found) } else { error.found };
+        ParameterError { parameter, found, must: joint.worded(&error.must) }
     };
     let limits = Limits::new(limits).and_then(|limits| limits.check(drive));
     Ok(limits.map_err(worded)?)

@@ -7,7 +7,7 @@ use super::error::{Fault, SpecError};
 use super::overrides::{Override, apply};
 use super::raw::{RawAnalysis, RawCarriage, RawLimits, RawMesh};
 use super::tree::{Kind, Node, Place};
-use super::value::{AlongAxes, Angle, tables};
+use super::value::{AlongAxes, Angle, Axis, tables};
 use crate::beam::MeshPlan;
 use crate::inverse::Analysis;
 use crate::link::{Arm, ArmCarriage, ArmLink, ArmParts, Carriage, Elbow, Joint, Link};
@@ -223,7 +223,7 @@ fn carriage(raw: &RawCarriage) -> Result<ArmCarriage, Fault> {
     }
     let (mass_kg, viscous_friction_n_s_m) = (raw.mass.si(), raw.viscous_friction.si());
     let carriage = Carriage { mass_kg, viscous_friction_n_s_m };
-    Ok(ArmCarriage { carriage, axis: raw.axis.unwrap_or([1.0, 0.0]) })
+    Ok(ArmCarriage { carriage, axis: raw.axis.map_or([1.0, 0.0], |Axis(axis)| axis) })
 }
 
 /// Limits of the carriage of an arm.

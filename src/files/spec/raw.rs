@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
 use super::value::{
-    AlongAxes, Angle, Area, BendingStiffness, Count, Density, Elements, Ends, Length, Mass,
+    AlongAxes, Angle, Area, Axis, BendingStiffness, Count, Density, Elements, Ends, Length, Mass,
     MassPerLength, Pressure, Rate, RotaryInertia, RotaryInertiaPerLength, SecondMoment,
     ShearStiffness, SlidingFriction, Time, Unbounded, ViscousFriction, above_zero, at_least_zero,
     quantity, tables,
@@ -186,7 +186,8 @@ pub(super) struct RawCarriage {
     #[schemars(transform = at_least_zero, extend("default" = 0))]
     pub(super) viscous_friction: SlidingFriction,
     /// Direction along x and y of the rail of an arm's carriage, [1, 0] by default; its length does not matter.
-    pub(super) axis: Option<[f64; 2]>,
+    #[schemars(with = "Option<[f64; 2]>")]
+    pub(super) axis: Option<Axis>,
     /// Stiffness of a rotational spring between carriage and link; inf, the default, clamps the root.
     #[schemars(transform = above_zero)]
     pub(super) root_stiffness: Option<Unbounded>,

@@ -189,6 +189,20 @@ impl TryFrom<Vec<Acceleration>> for AlongAxes {
     }
 }
 
+/// A direction along the axes of a plane.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(try_from = "Vec<f64>")]
+pub(super) struct Axis(pub(super) [f64; 2]);
+
+impl TryFrom<Vec<f64>> for Axis {
+    type Error = String;
+
+    fn try_from(parts: Vec<f64>) -> Result<Self, String> {
+        let parts = parts.try_into().map(Self);
+        parts.map_err(|_| "must hold two numbers, [along x, along y]".into())
+    }
+}
+
 /// A number of elements or modes, or the number of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(try_from = "i64")]

@@ -36,8 +36,8 @@ const RIGID_ANGLE: usize = 3;
 /// Number of the column with a motor's rate, in [`MOTOR`].
 const MOTOR_RATE: usize = 2;
 
-/// Number of columns of [`ANGLE`] of an arm's carriage.
-const OF_ARM: usize = 3;
+/// Number of columns of each file of an arm's carriage.
+const CARRIAGE_COLUMNS: usize = 3;
 
 /// True for an arm on a carriage.
 fn has_carriage(summary: &Summary) -> bool {
@@ -130,7 +130,7 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
         let form = Form::Carriage;
         for file in OF_CARRIAGE {
             let mut columns = file.columns(form, &[0]);
-            columns.truncate(OF_ARM);
+            columns.truncate(CARRIAGE_COLUMNS);
             let table = Table::of(&folder.file(file.name(form))?, &columns)?;
             table.check_times(times, 1)?;
             tables.push((form, (file, columns, table)));
@@ -236,7 +236,9 @@ impl Parts {
         } else {
             let [results, errors] = [results, errors]
                 .map(|own| if k < self.links.len() { &own["joints"][k] } else { &own["carriage"] });
-            (format!("joints.{k}."), [results, errors, &limits[k]])
+            let prefix =
+                if k < self.links.len() { format!("joints.{k}.") } else { "carriage.".into() };
+            (prefix, [results, errors, &limits[k]])
         };
         // A solution has both numbers of each joint, null without one.
         for key in ["lead_s", "lag_s"].into_iter().filter(|_| summary.is_solved()) {

@@ -209,13 +209,9 @@ impl<'a> RunTables<'a> {
         let form = Form::of(arm.links().iter().map(|own| &own.link));
         let mut histories = tables(grid, form, files);
         if let Some(own) = joints.get(links.len()) {
-            let places = [
-                &own.angle_rad,
-                &own.rate_rad_s,
-                own.acceleration_rad_s2.as_ref().unwrap_or(&own.rate_rad_s),
-            ];
-            let columns =
-                [columns([&own.torque_n_m]), columns([&own.rigid_torque_n_m]), columns(places)];
+            let mut places = columns([&own.angle_rad, &own.rate_rad_s]);
+            places.push(solution.acceleration_rad_s2(links.len()));
+            let columns = [columns([&own.torque_n_m]), columns([&own.rigid_torque_n_m]), places];
             let files = OF_CARRIAGE.into_iter().zip(columns.map(|own| vec![own]));
             histories.extend(tables(grid, Form::Carriage, files));
         }

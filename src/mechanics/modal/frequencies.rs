@@ -208,8 +208,8 @@ pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize)
 /// random links.
 pub(crate) const TORQUE_WEIGHTS: [f64; 2] = [0.7, 0.35];
 
-/// Weights a and b of [`second_order_share`] for the change of the deflections under a prescribed torque. On a carriage the
-/// tip moves by 0.3 to 1.5 times the share of its deflection.
+/// Weights a and b of [`second_order_share`] for the change of the deflections under a prescribed torque. The tip of a link
+/// on a carriage moves by 0.3 to 1.5 times (d/L)² of its deflection d.
 pub(crate) fn deflection_weights(link: &Link) -> [f64; 2] {
     if link.joint().slides() { [1.5, 0.0] } else { [0.3, 0.1] }
 }

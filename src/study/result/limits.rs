@@ -146,7 +146,7 @@ impl Limits {
         match self.entries().find(|(own, ..)| own.is_of_motor && drive.is_none()) {
             None => Ok(self),
             Some((own, key, limit)) => {
-                let must = "must come with a [drive], the motor's side of the hub";
+                let must = "must come with a [drive], which has the motor";
                 Err(ParameterError::new(format!("limits.{key}"), limit, own.unit.text, must))
             }
         }

@@ -223,7 +223,8 @@ fn played_by(played: &Played, play: &Play<'_>) -> (&'static str, String) {
         PlayedBy::Modes(modes) => ("modes", modes_line(modes, play)),
         PlayedBy::Elastica(bent) => {
             let (angles, steps) = (bent.angles, bent.steps);
-            let line = format!("all terms: {angles} angles, {steps} steps from sample to sample");
+            let what = if played.links[0].mesh.joint().slides() { "coordinates" } else { "angles" };
+            let line = format!("all terms: {angles} {what}, {steps} steps from sample to sample");
             ("order", line)
         }
     }

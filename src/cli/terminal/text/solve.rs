@@ -145,6 +145,9 @@ fn gravity_of_link(solution: &Solution) -> String {
         let [direction] = four([direction_rad]);
         return format!("{along_x}, {along_y} m/s²; the link points to {direction} rad");
     }
+    if solution.arm.joint().slides() {
+        return format!("{along_x}, {along_y} m/s²");
+    }
     let start_rad = solution.hub().rigid_angle_rad[0];
     let last_rad = solution.hub().rigid_angle_rad[solution.grid.len - 1];
     let [start, last] = four([start_rad, last_rad]);
