@@ -869,7 +869,9 @@ fn what_an_arm_on_a_carriage_does_not_take_is_refused_in_words() {
 #[test]
 fn few_digits_of_a_carriages_place_are_an_error_of_the_force() {
     let bench = Bench::new();
-    let path = bench.read("trajectories/arms/gantry_1.5s.csv");
+    let root = env!("CARGO_MANIFEST_DIR");
+    let path =
+        std::fs::read_to_string(format!("{root}/trajectories/arms/gantry_1.5s.csv")).unwrap();
     let rows = path.lines().map(|line| match line.rsplit_once(',') {
         Some((before, place)) => {
             place.parse::<f64>().map_or(line.to_owned(), |place| format!("{before},{place:.4}"))
