@@ -212,9 +212,9 @@ impl Simulate {
                 let message = format!("{place}{steps}, but must be at most {limit} steps");
                 return Failure::new(Exit::InputRefused, &message, error.hint());
             }
-            SimulationError::NoStartAngle
-            | SimulationError::OnlyLinear(_)
-            | SimulationError::OnCarriage => (Exit::InputRefused, String::new()),
+            SimulationError::NoStartAngle | SimulationError::OnCarriage => {
+                (Exit::InputRefused, String::new())
+            }
             SimulationError::State { .. } => {
                 (Exit::InputRefused, state_file.as_ref().map(shown).unwrap_or_default())
             }

@@ -1,8 +1,9 @@
 //! A link on a carriage: its files, its words, and what refuses it.
 
-use super::{Bench, column, ended, number, septic, stderr, stdout, succeeded};
+use super::{Bench, column, ended, number, repository, septic, stderr, stdout, succeeded};
 
 const MAST: &str = "specs/carriages/stacker_mast.toml";
+const SHEET: &str = "specs/carriages/sheet.toml";
 const HUB: &str = "specs/bayo1987_example1.toml";
 
 /// A bench with the motion of the mast.
@@ -135,10 +136,6 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
     let mass = format!("solve specs/bayo1987_example1.toml {} --set hub.mass=2", super::MOTION);
     assert!(refused(&mass).contains("hint: a hub that slides is a [carriage]"));
     bench.done(&format!("solve {MAST} move.csv -o run"));
-    let order = "--set analysis.second_order=\"full\"";
-    let spring = "--set carriage.root_stiffness=1e6";
-    let told = refused(&format!("simulate {MAST} run/force.csv {spring} {order}"));
-    assert!(told.contains("are not computed yet for a link with root_stiffness"), "{told}");
     let told = refused(&format!("simulate {MAST} run/force.csv --target angle.csv"));
     assert!(told.contains("angle.csv: angle, but a link on a carriage"), "{told}");
     let usage = |words: &str| stderr(&ended(2, bench.run(words)));
@@ -344,6 +341,26 @@ fn a_spring_at_the_root_stands_in_all_results_of_hub_and_carriage() {
         bench.run(&format!("solve {MAST} move.csv --set carriage.root_stiffness=0")),
     ));
     assert!(text.contains("carriage.root_stiffness = 0 N m/rad, but must be"), "{text}");
+}
+
+/// The sheet upright on a spring, and as a pendulum of a hub with a radius.
+#[test]
+fn weight_on_a_spring_at_the_root_is_verified_by_the_equations_of_the_elastica() {
+    let bench = bench();
+    bench.done("trajectory septic --distance 0.1 --duration 1.5 --step 0.005 -o slow.csv");
+    let sheet = std::fs::read_to_string(repository(SHEET)).unwrap();
+    let on_hub = "[hub]\ninertia = '0.05 kg m^2'\nradius = '30 mm'\nroot_stiffness = 4.0";
+    bench.write("hub.toml", &sheet.replace("[carriage]\nmass = \"5 kg\"", on_hub));
+    let spring = "--set carriage.root_stiffness=10";
+    let runs = [
+        format!("{SHEET} slow.csv {spring}"),
+        format!("{SHEET} slow.csv {spring} --set damping={{model='hysteretic',ratio=0.01}}"),
+        "hub.toml slow.csv --set start_angle=-0.5".to_owned(),
+    ];
+    for words in runs {
+        let text = stdout(&succeeded(bench.run(&format!("verify {words}"))));
+        assert!(text.contains("moved"), "{text}");
+    }
 }
 
 #[test]
@@ -566,9 +583,8 @@ fn a_page_names_the_output_and_draws_limits_of_travel_and_acceleration() {
 #[test]
 fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {
     let bench = bench();
-    let sheet = "specs/carriages/sheet.toml";
     let held_hz = |settings: &str| -> f64 {
-        bench.done(&format!("modes {sheet} --count 1 {settings} -o modes"));
+        bench.done(&format!("modes {SHEET} --count 1 {settings} -o modes"));
         let text = bench.read("modes/held_modes.csv");
         let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
         let at = rows[0].iter().position(|name| *name == "frequency_hz").unwrap();
@@ -586,14 +602,14 @@ fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {
     // Moved by other equations than the solver's.
     for order in ["full", "first"] {
         let order = format!("--set analysis.second_order={order}");
-        let text = stdout(&succeeded(bench.run(&format!("verify {sheet} slow.csv {order}"))));
+        let text = stdout(&succeeded(bench.run(&format!("verify {SHEET} slow.csv {order}"))));
         assert!(text.contains("tip, the carriage moved as solved"), "{text}");
         assert!(text.contains("force that the moved carriage takes"), "{text}");
     }
     // m̄gL³/EI = 12 ρgL³/(E h²) is 7.8373 times the share.
     let solve = |share: f64| {
         let modulus = 12.0 * 7870.0 * 9.81 * 0.52_f64.powi(3) / (1e-6 * 7.8373 * share);
-        bench.run(&format!("solve {sheet} slow.csv --set segments.0.E={modulus} -o out"))
+        bench.run(&format!("solve {SHEET} slow.csv --set segments.0.E={modulus} -o out"))
     };
     let text = stderr(&succeeded(solve(0.65)));
     assert!(!text.contains("buckle"), "{text}");

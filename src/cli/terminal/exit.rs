@@ -111,8 +111,7 @@ impl From<InversionError> for Failure {
 impl From<SimulationError> for Failure {
     fn from(error: SimulationError) -> Self {
         let is_of_memory = matches!(error, SimulationError::TooMuchMemory { .. });
-        let is_of_input =
-            matches!(error, SimulationError::NoStartAngle | SimulationError::OnlyLinear(_));
+        let is_of_input = matches!(error, SimulationError::NoStartAngle);
         let exit = if is_of_input { Exit::InputRefused } else { Exit::NotSolvable };
         Self { is_of_memory, ..Self::new(exit, &error, error.hint()) }
     }

@@ -94,6 +94,8 @@ pub(super) struct BentLink {
     pub(super) nodes_m: Vec<f64>,
     /// Bodies from the axis outward.
     pub(super) bodies: Vec<Body>,
+    /// Stiffness in N m/rad of a spring between nodes 0 and 1.
+    spring_n_m_rad: Option<f64>,
     /// β in s: share of the curvature's rate in the bending moment.
     beta_s: f64,
     pub(super) second_order: SecondOrder,
@@ -131,6 +133,7 @@ impl BentLink {
             points: Points::of(mesh),
             nodes_m: mesh.nodes_m().to_vec(),
             bodies: Body::all_of(mesh, model.link().payload()),
+            spring_n_m_rad: model.link().root_stiffness_n_m_rad(),
             beta_s,
             second_order,
         }
@@ -216,6 +219,17 @@ impl BentLink {
         // The hub's radius is a rigid piece along the root's slope.
         let [root, tip] = [0, self.nodes_m.len() - 1].map(|node| self.slope_at(now, node));
         loads[1] -= self.nodes_m[0] * axial_n * root.sine * root.secant;
+        if let Some(stiffness) =
+            self.spring_n_m_rad.filter(|_| self.second_order == SecondOrder::Full)
+        {
+            // As M and b of an element: the spring's moment k(ψ_1 − ψ_0) acts on the angles of both slopes.
+            let outer = self.slope_at(now, 1);
+            let sines = outer.sine - root.sine + self.beta_s * (outer.rate - root.rate);
+            let angle = |own: &Slope| libm::asin(own.sine) + self.beta_s * own.rate * own.secant;
+            let angles = angle(&outer) - angle(&root);
+            loads[1] -= stiffness * (sines - angles * root.secant);
+            loads[3] += stiffness * (sines - angles * outer.secant);
+        }
         // A torque acts on the angle of the tip's slope.
         loads[2 * self.nodes_m.len() - 1] -= now.tip.torque_n_m * (tip.secant - 1.0);
         largest

@@ -24,8 +24,8 @@ const WEIGHTS: [f64; POINTS] = [
     0.118_463_442_528_094_54,
 ];
 
-/// One Gauss point of an element.
-#[derive(Debug, Clone, Copy)]
+/// One Gauss point of an element; all zero but its place on the spring of the root, which has no length.
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Point {
     /// Distance from the axis along the link in m.
     pub(super) s_m: f64,
@@ -95,6 +95,9 @@ impl Points {
         let elements = mesh.elements().iter().zip(mesh.nodes_m());
         let points = elements.map(|(element, inner_m)| {
             let l = element.length_m;
+            if element.is_spring() {
+                return [Point { s_m: *inner_m, ..Point::default() }; POINTS];
+            }
             [0, 1, 2, 3, 4].map(|k| {
                 let x = PLACES[k];
                 Point {
@@ -156,6 +159,9 @@ impl Points {
         let points = &self.elements[element];
         let length_m: f64 = points.iter().map(|point| point.weight_m).sum();
         let beyond = *outer;
+        if length_m == 0.0 {
+            return [beyond; POINTS];
+        }
         *outer += forces.iter().sum::<f64>();
         std::array::from_fn(|k| {
             let weighted: f64 = (0..POINTS).map(|j| self.within[j][k] * forces[j]).sum();

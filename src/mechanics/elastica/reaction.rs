@@ -293,10 +293,15 @@ fn unfelt_n_m(mesh: &Mesh) -> f64 {
     STRAIGHT * softest(mesh) * mesh.rigid_tip() / mesh.length_m().powi(2)
 }
 
-/// The smallest bending stiffness of a link in N m².
+/// The smallest bending stiffness of a link in N m²; of a spring at its root that of a link that bends as much.
 pub(super) fn softest(mesh: &Mesh) -> f64 {
-    let stiffness = mesh.elements().iter().map(|element| element.bending_stiffness_n_m2);
-    stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer))
+    let stiffness = mesh.elements().iter().map(|element| {
+        // A spring turns by M/k, a beam as long as the link by M L/EI.
+        let length_m = if element.is_spring() { mesh.length_m() } else { 1.0 };
+        let ei = element.bending_stiffness_n_m2;
+        length_m * ei.inner.min(ei.outer)
+    });
+    stiffness.fold(f64::INFINITY, f64::min)
 }
 
 /// Rate in rad/s of a joint: of its hub against the tip of the link before.

@@ -234,11 +234,7 @@ impl Link {
 
     /// A part for which weight and second-order terms are not computed yet, in words.
     pub(crate) fn linear_part(&self) -> Option<&'static str> {
-        let parts = [
-            (self.root_stiffness_n_m_rad().is_some(), "a link with root_stiffness"),
-            (self.has_station(), "an output at a station"),
-        ];
-        parts.into_iter().find(|(is_there, _)| *is_there).map(|(_, part)| part)
+        self.has_station().then_some("an output at a station")
     }
 
     /// Distance in m from the axis, or from the carriage, to the output whose motion is prescribed: the tip, or a

@@ -88,8 +88,11 @@ pub fn pose_modes(
     let mode = |k: usize| {
         let x = upper.solve_upper_triangular(&DVector::from_column_slice(eigen.vector(k)))?;
         let (hub_rad, outer) = if is_clamped { (0.0, 0) } else { (x[0], 1) };
-        let across = x.iter().skip(outer).step_by(2).copied();
-        let across: Vec<f64> = std::iter::once(root * hub_rad).chain(across).collect();
+        // Both nodes of a spring lie at the root.
+        let springs = mesh.springs();
+        let across = x.iter().skip(outer + springs).step_by(2).copied();
+        let at_root = std::iter::repeat_n(root * hub_rad, 1 + springs);
+        let across: Vec<f64> = at_root.chain(across).collect();
         let leading = if is_clamped { across.last().copied().unwrap_or_default() } else { hub_rad };
         let sign = 1.0_f64.copysign(leading);
         Some((eigen.values[k], across.into_iter().map(|own| sign * own).collect()))
@@ -97,10 +100,13 @@ pub fn pose_modes(
     (0..eigen.values.len().min(count)).map(mode).collect()
 }
 
-/// Mass and stiffness on the joint's position and on (v, φ) of nodes 1 … n.
+/// Mass and stiffness on the joint's position and on (v, φ) of nodes 1 … n; on φ alone of the outer node of a spring at the
+/// root, which moves with the root.
 fn on_joint(mesh: &Mesh, outward_m_s2: f64) -> [DMatrix<f64>; 2] {
-    let [mut mass, stiffness] =
-        assembled(mesh, (1.0, outward_m_s2)).map(|full| with_root_on_joint(full, mesh.rigid(0)));
+    let [mut mass, stiffness] = assembled(mesh, (1.0, outward_m_s2)).map(|full| {
+        let full = if mesh.springs() > 0 { with_outer_on_root(full) } else { full };
+        with_root_on_joint(full, mesh.rigid(0))
+    });
     mass[(0, 0)] += mesh.joint().inertia();
     [mass, stiffness]
 }
@@ -116,7 +122,7 @@ pub fn pose_zeros(
     count: usize,
     limit_rad_s: f64,
 ) -> Option<[Vec<f64>; 2]> {
-    let tip = 2 * mesh.nodes_m().len() - 3;
+    let tip = 2 * mesh.nodes_m().len() - 3 - mesh.springs();
     if tip > 2 * MOST_ELEMENTS_OF_A_POSE {
         return None;
     }
@@ -177,17 +183,21 @@ pub fn reported_zeros(mesh: &Mesh, outward_m_s2: Option<f64>, count: usize) -> V
 /// D = κK + K_g − ω²μM,   D w = −D r,   F = rᵀ D (r + w) − ω²μ I
 /// ```
 ///
-/// `None` as for [`pose_modes`], and on a spring at the root.
+/// `None` as for [`pose_modes`].
 pub(crate) fn pose_transfer(
     mesh: &Mesh,
     outward_m_s2: f64,
 ) -> Option<impl Fn(f64, [Complex64; 2]) -> [Complex64; 2]> {
     let last = mesh.elements().len();
-    if last > MOST_ELEMENTS_OF_A_POSE || mesh.springs() > 0 {
+    if last > MOST_ELEMENTS_OF_A_POSE {
         return None;
     }
-    let ([mass, bending], [_, weight]) =
+    let ([mass, mut bending], [_, weight]) =
         (assembled(mesh, (1.0, 0.0)), assembled(mesh, (0.0, outward_m_s2)));
+    if mesh.springs() > 0 {
+        // The outer end of a spring stays at the root.
+        bending[(2, 2)] += mesh.relative_elements()[0].k_d.m11;
+    }
     let rigid: Vec<f64> = (0..=last).flat_map(|node| mesh.rigid(node)).collect();
     let of_rigid = |matrix: &DMatrix<f64>| -> Vec<f64> {
         let row = |i: usize| matrix.row(i).iter().zip(&rigid).map(|(own, r)| own * r).sum();
@@ -268,6 +278,17 @@ pub fn buckling_share(mesh: &Mesh, outward_m_s2: f64) -> Option<f64> {
     Some(stands_at)
 }
 
+/// Lets v of node 1 follow v of the root in a symmetric matrix.
+fn with_outer_on_root(mut full: DMatrix<f64>) -> DMatrix<f64> {
+    for k in 0..full.nrows() {
+        full[(0, k)] += full[(2, k)];
+    }
+    for k in 0..full.nrows() {
+        full[(k, 0)] += full[(k, 2)];
+    }
+    full.remove_row(2).remove_column(2)
+}
+
 /// Replaces the root's (v, φ) by the joint's position times its unit motion in a symmetric matrix. It avoids products of
 /// matrices, whose order of summation depends on the processor.
 fn with_root_on_joint(full: DMatrix<f64>, [unit_v, unit_phi]: [f64; 2]) -> DMatrix<f64> {
@@ -318,7 +339,7 @@ fn add_inertia(mass: &mut DMatrix<f64>, at: usize, [vv, vp, pp]: [f64; 3]) {
 fn pull(element: &Element, outward_m_s2: f64, outboard_kg: f64) -> Matrix4<f64> {
     let (l, mass) = (element.length_m, element.mass_per_length_kg_m);
     let mut stiffness = Matrix4::zeros();
-    for (x, weight) in POINTS {
+    for (x, weight) in POINTS.into_iter().filter(|_| !element.is_spring()) {
         // Mass per length is linear: the mean over the rest is the value in its middle.
         let beyond_kg = l * (1.0 - x) * 0.5 * (mass.at(x) + mass.outer);
         let tension_n = outward_m_s2 * (outboard_kg + beyond_kg);

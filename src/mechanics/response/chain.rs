@@ -1,12 +1,13 @@
 //! A link as an inextensible elastica with angles as coordinates: Lagrange's equations at any deflection.
 //!
 //! The position of the joint comes first: the hub's angle φ, or the displacement u of a carriage. Then come the slopes ψ
-//! of the link from its tangent line at the joint: polynomials on each piece between two masses or segment ends. Places
+//! of the link from its tangent line at the joint: on a spring that of the root, then polynomials on each piece between
+//! two masses or segment ends. Places
 //! and their derivatives are integrals of cosines and sines along the link, at Gauss's points, so that the discrete link
 //! keeps its energy exactly. A carriage moves the axis by u along n, across its link, whose root keeps the direction φ.
 //!
 //! ```text
-//! r(s) = u n + ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ ∫ EI ψ'² ds − Σ m g·r
+//! r(s) = u n + ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ k ψ₀² + ½ ∫ EI ψ'² ds − Σ m g·r
 //! ```
 
 use super::balance::{Balance, Met, Place};
@@ -34,7 +35,7 @@ struct Body {
 pub(super) struct Piece {
     pub(super) length_m: f64,
     /// Number of its first coordinate: polynomials that vanish at both ends, then the slope at the outer end. The slope
-    /// at its inner end is the coordinate before them; the first piece has no such slope.
+    /// at its inner end is the coordinate before them; the first piece on a clamped root has no such slope.
     pub(super) first: usize,
     /// For each Gauss point, the factors of the inner end's slope and of each coordinate in its slope.
     pub(super) shapes: Vec<Vec<f64>>,
@@ -56,6 +57,8 @@ pub(super) struct Chain {
     /// The joint's inertia.
     at_axis: Body,
     at_root: Vec<Body>,
+    /// Number of springs at the root, 0 or 1: the slope of the link on a spring is coordinate 1.
+    springs: usize,
     /// Distance in m from the axis to the output, and number of the piece that ends there.
     pub(super) output_m: f64,
     output: usize,
@@ -102,7 +105,8 @@ fn planned(
 
 /// Number of coordinates of [`Chain::of`], computed without its matrices.
 pub(super) fn coordinates(link: &Link, order: impl Fn([f64; 2], [f64; 2]) -> usize) -> usize {
-    1 + planned(link, order).map(|piece| piece.order).sum::<usize>()
+    let spring = usize::from(link.root_stiffness_n_m_rad().is_some());
+    1 + spring + planned(link, order).map(|piece| piece.order).sum::<usize>()
 }
 
 /// Approximate memory in bytes of a simulated chain with `count` coordinates: its matrices, and `numbers` for each
@@ -118,6 +122,7 @@ impl Chain {
         let joint = link.joint();
         let (root_m, unit) = (joint.radius_m(), joint.rigid(0.0));
         let [mass_kg, inertia_kg_m2] = unit.map(|part| part * part * joint.inertia());
+        let springs = usize::from(link.root_stiffness_n_m_rad().is_some());
         let mut chain = Self {
             pieces: Vec::new(),
             root_m,
@@ -125,9 +130,10 @@ impl Chain {
             direction_rad: link.direction_rad().unwrap_or(0.0),
             at_axis: Body { mass_kg, inertia_kg_m2, arm_m: 0.0 },
             at_root: bodies_at(link, root_m),
+            springs,
             output_m: link.output_m(),
             output: 0,
-            count: 1,
+            count: 1 + springs,
             stiffness: Vec::new(),
         };
         let mut bends = Vec::new();
@@ -149,6 +155,9 @@ impl Chain {
         }
         let count = chain.count;
         chain.stiffness = vec![0.0; count * count];
+        if let Some(stiffness) = link.root_stiffness_n_m_rad() {
+            chain.stiffness[count + 1] = stiffness;
+        }
         for (piece, (rule, order, stiffness)) in chain.pieces.iter().zip(bends) {
             for (weight, t) in rule.weights.iter().zip(&rule.places) {
                 // ds = l/2 dt, and each derivative has 2/l; the weights belong to (0, 1).
@@ -221,11 +230,14 @@ impl Chain {
         } else {
             hub.push(own);
         }
-        let of_hub = |values: &[f64]| hub.iter().fold(0.0, |sum, i| sum + values[*i]);
-        let (hub_rad, hub_rad_s) = (self.direction_rad + of_hub(q), of_hub(rates));
+        let sum = |of: &[usize], values: &[f64]| of.iter().fold(0.0, |sum, i| sum + values[*i]);
+        let (hub_rad, hub_rad_s) = (self.direction_rad + sum(&hub, q), sum(&hub, rates));
         Self::meet_bodies(&[self.at_axis], &axis, (hub_rad, hub_rad_s), &hub, meet);
         let mut inner = axis.beyond(self.root_m, (hub_rad, hub_rad_s), &hub);
-        Self::meet_bodies(&self.at_root, &inner, (hub_rad, hub_rad_s), &hub, meet);
+        let turned: Vec<usize> =
+            hub.iter().copied().chain(own + 1..own + 1 + self.springs).collect();
+        let (root_rad, root_rad_s) = (self.direction_rad + sum(&turned, q), sum(&turned, rates));
+        Self::meet_bodies(&self.at_root, &inner, (root_rad, root_rad_s), &turned, meet);
         let mut here = inner.clone();
         for (number, piece) in self.pieces.iter().enumerate() {
             let angle = |hub: f64, values: &[f64], shape: &[f64]| {
@@ -356,9 +368,14 @@ impl Piece {
     /// Coordinates that bend the piece, and their numbers among its shapes.
     pub(super) fn coordinates(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<> {
         let (first, count) = (self.first, self.shapes[0].len() - 1);
-        // The joint's position before the first piece is no slope from its tangent line.
+        // The joint's position is no slope from its tangent line.
         let inner = (first > 1).then(|| (first - 1, 0));
         inner.into_iter().chain((0..count).map(move |k| (first + k, k + 1)))
+    }
+
+    /// True on a spring at the root, whose slope is the coordinate between the joint's position and its own.
+    pub(super) fn is_on_spring(&self) -> bool {
+        self.first == 2
     }
 
     /// Coordinate of the slope at its outer end.

@@ -24,9 +24,6 @@ pub enum SimulationError {
     /// A hub without inertia on a root without mass: its motion follows no differential equation.
     #[error("the hub moves no mass: hub.inertia = 0, and the link has no mass at its root")]
     MasslessHub,
-    /// Weight or large angles of a link with this part.
-    #[error("weight and large angles are not computed yet for {0}")]
-    OnlyLinear(&'static str),
     /// A link without equations for weight or large angles.
     #[error("{what}, but weight and second-order terms need a link {known}")]
     NotDerived {
@@ -143,7 +140,7 @@ impl SimulationError {
             Self::NotConverged { .. } => "use damping (beta = 2e-3), hub.inertia or a shorter step",
             Self::NotFinite { .. } => "the inputs are too large for double precision",
             Self::EndsEarly { .. } => "leave it out to end with the torque",
-            Self::NotDerived { .. } | Self::OnlyLinear(_) => {
+            Self::NotDerived { .. } => {
                 "--set 'gravity=[0, 0]' and analysis.second_order = \"none\" play the linear link"
             }
             Self::OnCarriage => "leave [carriage] out to hold the first joint, or use verify",

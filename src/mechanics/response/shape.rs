@@ -156,7 +156,8 @@ impl Chain {
         let mut from_m = self.root_m;
         for piece in &self.pieces {
             let order = piece.shapes[0].len() - 1;
-            for k in 1..=order {
+            // On a spring the root has two slopes: the joint's, then the link's.
+            for k in usize::from(!piece.is_on_spring())..=order {
                 // Chebyshev's places, both ends included.
                 let t = -libm::cos(std::f64::consts::PI * k as f64 / order as f64);
                 let shape = piece_shapes(order, t).0;
@@ -208,6 +209,9 @@ impl Chain {
                     (factors[(k, 0)], factors[(k, 1)]);
             }
             (q[piece.outer()], rates[piece.outer()]) = (factors[(order, 0)], factors[(order, 1)]);
+            if piece.is_on_spring() {
+                (q[1], rates[1]) = (factors[(0, 0)], factors[(0, 1)]);
+            }
             from_m = to_m;
         }
         Ok((q, rates))

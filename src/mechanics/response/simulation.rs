@@ -120,9 +120,6 @@ fn play_bent(
     (tolerance, watch): (f64, &dyn Fn(PlayProgress)),
 ) -> Result<Played, SimulationError> {
     let links = arm.links();
-    if links.iter().any(|own| own.link.root_stiffness_n_m_rad().is_some()) {
-        return Err(SimulationError::OnlyLinear("a link with root_stiffness"));
-    }
     if links[0].link.joint().slides() && arm.has_weight() && links[0].link.direction_rad().is_none()
     {
         return Err(SimulationError::NoStartAngle);

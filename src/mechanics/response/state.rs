@@ -73,7 +73,9 @@ impl LinkState {
         if let Some(lost) = numbers.copied().find(|number| !number.is_finite()) {
             return refused(format!("holds {lost}"), "hold finite numbers".into());
         }
-        if let Some([inner, outer]) = self.x_m.windows(2).find(|pair| pair[1] <= pair[0]) {
+        let is_sprung = link.root_stiffness_n_m_rad().is_some();
+        let mut pairs = self.x_m.windows(2).skip(usize::from(is_sprung) * self.springs());
+        if let Some([inner, outer]) = pairs.find(|pair| pair[1] <= pair[0]) {
             return refused(format!("has {outer} m after {inner} m"), "have rising places".into());
         }
         let (root_m, tip_m) = (link.hub().radius_m, link.length_m());
@@ -138,7 +140,12 @@ impl LinkState {
             let t = t.clamp(-1.0, 1.0);
             [t, self.slope_rad[k] - hub[0], self.slope_rate_rad_s[k] - hub[1]]
         };
-        (0..self.x_m.len()).filter(inside).map(row).collect()
+        (self.springs()..self.x_m.len()).filter(inside).map(row).collect()
+    }
+
+    /// 1 if the root has two slopes: that of the joint, then that of the link on its spring.
+    fn springs(&self) -> usize {
+        usize::from(self.x_m[1].total_cmp(&self.x_m[0]).is_eq())
     }
 }
 

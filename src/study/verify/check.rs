@@ -305,9 +305,6 @@ impl<E: Into<VerificationError>> From<E> for Unplayed {
             VerificationError::Simulation(SimulationError::MasslessHub) => {
                 "the hub moves no mass".into()
             }
-            VerificationError::Simulation(error @ SimulationError::OnlyLinear(_)) => {
-                Self::Reason(error.to_string())
-            }
             other => Self::Error(other),
         }
     }

@@ -418,9 +418,12 @@ fn refined(
     models: &Models,
     probes: &[Vec<usize>],
 ) -> Result<(Models, Vec<Vec<usize>>), InversionError> {
+    let of_link = |(model, nodes): (&Arc<dyn Model>, &Vec<usize>)| -> Vec<usize> {
+        nodes.iter().map(|node| model.mesh().refined_node(*node)).collect()
+    };
+    let probes = models.iter().zip(probes).map(of_link).collect();
     let models = models.iter().map(|model| model.refined()).collect::<Result<_, _>>()?;
-    let twice = |nodes: &Vec<usize>| nodes.iter().map(|node| 2 * node).collect();
-    Ok((models, probes.iter().map(twice).collect()))
+    Ok((models, probes))
 }
 
 /// Change of each quantity by halved elements, over its size.
