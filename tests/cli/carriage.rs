@@ -849,16 +849,20 @@ fn what_an_arm_on_a_carriage_does_not_take_is_refused_in_words() {
         (3, format!("solve {GANTRY} --set limits.deflection=1"), "is a limit of a link"),
         (3, format!("solve {GANTRY} --set limits.motor_rate=1"), "must come with a [drive]"),
         (3, format!("solve {MAST} {path} --set carriage.axis=[1,0]"), "two links or more"),
-        (3, format!("simulate specs/carriages/gantry_arm.toml {path} --at 0,1"), "torque"),
     ];
     for (exit, words, expected) in cases {
         let told = stderr(&ended(exit, bench.run(&words)));
         assert!(told.contains(expected), "{words}: {told}");
     }
     bench.done("solve specs/arms/two_links.toml trajectories/arms/line_1.5s.csv -o fixed");
-    let played = "simulate specs/carriages/gantry_arm.toml fixed/torques.csv --at 0,0.5";
-    let told = stderr(&ended(3, bench.run(played)));
-    assert!(told.contains("an arm on a carriage is not simulated"), "{told}");
+    for played in [
+        "simulate specs/carriages/gantry_arm.toml fixed/torques.csv --at 0,0.5".to_owned(),
+        "simulate specs/carriages/gantry_arm.toml fixed/torques.csv".to_owned(),
+        format!("sweep {GANTRY} --torque fixed/torques.csv --vary carriage.mass=12,24"),
+    ] {
+        let told = stderr(&ended(3, bench.run(&played)));
+        assert!(told.contains("an arm on a carriage is not simulated"), "{told}");
+    }
     let text = stdout(&succeeded(
         bench.run("modes specs/carriages/gantry_arm.toml --at=-1,0.35 --count 2"),
     ));
