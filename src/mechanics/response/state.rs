@@ -56,11 +56,11 @@ impl LinkState {
             }
             _ => {}
         }
-        let words = ["is of a hub", "is of a carriage"].map(str::to_owned);
-        match (self.carriage.is_some(), is_large && link.joint().slides()) {
-            (false, true) => return refused(words[0].clone(), "be of a carriage".into()),
-            (true, false) => return refused(words[1].clone(), "be without one".into()),
-            _ => {}
+        // Words that stay in messages on a carriage.
+        let kind = |slides| if slides { "of a link that slides" } else { "of a link that rotates" };
+        let [found, own] = [self.carriage.is_some(), is_large && link.joint().slides()];
+        if found != own {
+            return refused(format!("is {}", kind(found)), format!("be {}", kind(own)));
         }
         let places = self.x_m.len();
         let lists = [Some(&self.slope_rad), Some(&self.slope_rate_rad_s)].into_iter();
