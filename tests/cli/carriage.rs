@@ -608,6 +608,27 @@ fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {
     );
 }
 
+#[test]
+fn a_state_of_another_direction_or_of_a_hub_is_refused() {
+    let bench = bench();
+    bench.sampled("force.csv", "time,force", 0..=4, |k| [0.01 * k, k * (4.0 - k)]);
+    let sheet = "simulate specs/carriages/sheet.toml force.csv -o out";
+    bench.done(&format!("{sheet} --save-state state.json"));
+    bench.done(&format!("{sheet} --state state.json"));
+    let hanging = format!("{sheet} --state state.json --set start_angle=0");
+    let told = stderr(&ended(3, bench.run(&hanging)));
+    assert!(told.contains("the state has the direction 90.0 deg, but must have 0.0 deg"), "{told}");
+    let text = bench.read("state.json");
+    let at = text.find("\"carriage\"").unwrap();
+    let (before, after) = (&text[..at], &text[at..]);
+    let before = before.trim_end().trim_end_matches(',');
+    let of_hub = format!("{before}{}", &after[after.find(']').unwrap() + 1..]);
+    bench.write("hub.json", &of_hub);
+    let told = stderr(&ended(3, bench.run(&format!("{sheet} --state hub.json"))));
+    let must = "the state is of a link that rotates, but must be of a link that slides";
+    assert!(told.contains(must), "{told}");
+}
+
 /// Radius in m of a hub that moves its link as a carriage does, up to the length over the radius.
 const LONG_M: f64 = 1e4;
 

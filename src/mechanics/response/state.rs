@@ -11,7 +11,10 @@ use super::stepper::Stepper;
 use crate::beam::Mesh;
 use crate::link::{Arm, Link, POSITION_TOLERANCE};
 use crate::modal::Shape;
-use crate::numeric::{TimeGrid, largest};
+use crate::numeric::{TimeGrid, largest, rounded};
+
+/// Largest difference between the direction of a link on a carriage and the root's slope of its state.
+const SAME_DIRECTION_RAD: f64 = 1e-9;
 
 /// The motion of a link at one instant.
 ///
@@ -72,6 +75,11 @@ impl LinkState {
         let numbers = lists.flatten().chain(&self.x_m).chain(self.carriage.iter().flatten());
         if let Some(lost) = numbers.copied().find(|number| !number.is_finite()) {
             return refused(format!("holds {lost}"), "hold finite numbers".into());
+        }
+        let own_rad = link.direction_rad().unwrap_or(0.0);
+        if link.joint().slides() && (self.slope_rad[0] - own_rad).abs() > SAME_DIRECTION_RAD {
+            let [found, own] = [self.slope_rad[0], own_rad].map(|rad| rounded(rad.to_degrees(), 6));
+            return refused(format!("has the direction {found} deg"), format!("have {own} deg"));
         }
         if let Some([inner, outer]) = self.x_m.windows(2).find(|pair| pair[1] <= pair[0]) {
             return refused(format!("has {outer} m after {inner} m"), "have rising places".into());
