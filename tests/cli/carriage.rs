@@ -126,7 +126,11 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
         (format!("solve {MAST} move.csv --set limits.hub_angle=2"), "must be carriage_travel"),
         (format!("simulate {MAST} move.csv"), "must include force"),
         (format!("simulate {MAST} angle.csv --input carriage"), "must include carriage"),
-        (format!("frf {MAST} --at 0"), "a link on a carriage keeps its start_angle"),
+        (format!("frf {MAST} --at 0"), "the direction of a link on a carriage is its start_angle"),
+        (
+            "modes specs/carriages/sheet.toml --at 0".to_owned(),
+            "the direction of a link on a carriage is its start_angle",
+        ),
     ];
     for (words, expected) in cases {
         let told = refused(&words);
