@@ -18,7 +18,7 @@ use crate::spec::Specification;
 use crate::store::modes_json;
 
 use crate::cli::options::common::{SyncArgs, angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::check_folder;
 use crate::cli::terminal::text::modes_text;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
@@ -148,6 +148,9 @@ pub fn computed(
             None => level((&one.link, specification.mesh()), count),
         },
         ([one], Some(at)) => {
+            if one.link.gravity().is_some_and(|own| own.start_angle_rad.is_some()) {
+                refuse_direction(&specification.arm)?;
+            }
             let angle_rad = directions(Some(at), 1)?[0];
             straight((&one.link, specification.mesh()), angle_rad, count, wanted)
         }

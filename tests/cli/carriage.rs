@@ -127,7 +127,11 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
         (format!("solve {MAST} move.csv --set limits.hub_angle=2"), "must be carriage_travel"),
         (format!("simulate {MAST} move.csv"), "must include force"),
         (format!("simulate {MAST} angle.csv --input carriage"), "must include carriage"),
-        (format!("frf {MAST} --at 0"), "a link on a carriage keeps its start_angle"),
+        (format!("frf {MAST} --at 0"), "the direction of a link on a carriage is its start_angle"),
+        (
+            "modes specs/carriages/sheet.toml --at 0".to_owned(),
+            "the direction of a link on a carriage is its start_angle",
+        ),
     ];
     for (words, expected) in cases {
         let told = refused(&words);
@@ -624,6 +628,27 @@ fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {
     );
 }
 
+#[test]
+fn a_state_of_another_direction_or_of_a_hub_is_refused() {
+    let bench = bench();
+    bench.sampled("force.csv", "time,force", 0..=4, |k| [0.01 * k, k * (4.0 - k)]);
+    let sheet = "simulate specs/carriages/sheet.toml force.csv -o out";
+    bench.done(&format!("{sheet} --save-state state.json"));
+    bench.done(&format!("{sheet} --state state.json"));
+    let hanging = format!("{sheet} --state state.json --set start_angle=0");
+    let told = stderr(&ended(3, bench.run(&hanging)));
+    assert!(told.contains("the state has the direction 90.0 deg, but must have 0.0 deg"), "{told}");
+    let text = bench.read("state.json");
+    let at = text.find("\"carriage\"").unwrap();
+    let (before, after) = (&text[..at], &text[at..]);
+    let before = before.trim_end().trim_end_matches(',');
+    let of_hub = format!("{before}{}", &after[after.find(']').unwrap() + 1..]);
+    bench.write("hub.json", &of_hub);
+    let told = stderr(&ended(3, bench.run(&format!("{sheet} --state hub.json"))));
+    let must = "the state is of a link that rotates, but must be of a link that slides";
+    assert!(told.contains(must), "{told}");
+}
+
 /// Radius in m of a hub that moves its link as a carriage does, up to the length over the radius.
 const LONG_M: f64 = 1e4;
 
@@ -873,9 +898,14 @@ fn what_an_arm_on_a_carriage_does_not_take_is_refused_in_words() {
         assert!(told.contains(expected), "{words}: {told}");
     }
     bench.done("solve specs/arms/two_links.toml trajectories/arms/line_1.5s.csv -o fixed");
-    let played = "simulate specs/carriages/gantry_arm.toml fixed/torques.csv --at 0,0.5";
-    let told = stderr(&ended(3, bench.run(played)));
-    assert!(told.contains("an arm on a carriage is not simulated"), "{told}");
+    for played in [
+        "simulate specs/carriages/gantry_arm.toml fixed/torques.csv --at 0,0.5".to_owned(),
+        "simulate specs/carriages/gantry_arm.toml fixed/torques.csv".to_owned(),
+        format!("sweep {GANTRY} --torque fixed/torques.csv --vary carriage.mass=12,24"),
+    ] {
+        let told = stderr(&ended(3, bench.run(&played)));
+        assert!(told.contains("an arm on a carriage is not simulated"), "{told}");
+    }
     let text = stdout(&succeeded(
         bench.run("modes specs/carriages/gantry_arm.toml --at=-1,0.35 --count 2"),
     ));

@@ -83,9 +83,8 @@ pub(crate) fn refuse_direction(arm: &Arm) -> Result<(), Failure> {
     if !arm.joint().slides() {
         return Ok(());
     }
-    let message = "--at is set, but a link on a carriage keeps its start_angle";
-    let hint =
-        "leave --at out: with gravity the response has the weight in the direction start_angle";
+    let message = "--at is set, but the direction of a link on a carriage is its start_angle";
+    let hint = "leave --at out, and set start_angle beside gravity: --set 'start_angle=\"90 deg\"'";
     Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
 }
 

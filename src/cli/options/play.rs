@@ -9,7 +9,7 @@ use crate::csv::{
     read_recording, read_recording_as, read_target, read_tip_places, read_torque_table_as,
 };
 use crate::link::{Arm, ParameterError};
-use crate::response::{Feedback, HubReference, Interpolation, Torque};
+use crate::response::{Feedback, HubReference, Interpolation, SimulationError, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
@@ -193,6 +193,7 @@ impl PlayArgs {
         is_large: bool,
         read: &ReadArgs,
     ) -> Result<Playing, Failure> {
+        refuse_carriage_of(arm)?;
         self.check(arm)?;
         let (links, joints) = (arm.links().len(), Joints::from(arm));
         let link = arm.links().first().filter(|_| links == 1).map(|own| &own.link);
@@ -354,6 +355,13 @@ impl PlayArgs {
         let input = input.into_iter().chain(column).chain(until).chain(periodic);
         input.chain(hold).chain(feedback).chain(at).flatten().collect()
     }
+}
+
+/// Refuses to play an arm on a carriage, before anything is asked of the other inputs.
+pub(crate) fn refuse_carriage_of(arm: &Arm) -> Result<(), Failure> {
+    let error = SimulationError::OnCarriage;
+    let refused = Failure::new(Exit::InputRefused, &error, error.hint());
+    arm.carriage().map_or(Ok(()), |_| Err(refused))
 }
 
 /// Pairs of gains, separated by commas.

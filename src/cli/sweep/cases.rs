@@ -10,7 +10,7 @@ use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::options::inputs::{
     ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, Wanted, are_read_alike, scale_arguments, tell,
 };
-use crate::cli::options::play::{HoldArgs, read_torques};
+use crate::cli::options::play::{HoldArgs, read_torques, refuse_carriage_of};
 use crate::cli::terminal::{Exit, Failure, memory};
 use crate::csv::{Digits, InputFile, Joints, Reading, TableFormat};
 use crate::link::{Arm, Link};
@@ -116,8 +116,11 @@ impl<'a> Cases<'a> {
             let overrides = with_case(&overrides, &plan.case(case))?;
             document.specification(&link_file.shown, &overrides)
         };
-        let read =
-            |case| First::read(described(case)?, &motion_file, (&shared.resample, &shared.read));
+        let read = |case| {
+            let own = described(case)?;
+            shared.torque.torque.as_ref().map_or(Ok(()), |_| refuse_carriage_of(&own.arm))?;
+            First::read(own, &motion_file, (&shared.resample, &shared.read))
+        };
         // A path that the file lacks fails every case: a slip rather than a result.
         let (first, reading) = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)

@@ -11,7 +11,10 @@ use super::stepper::Stepper;
 use crate::beam::Mesh;
 use crate::link::{Arm, Link, POSITION_TOLERANCE};
 use crate::modal::Shape;
-use crate::numeric::{TimeGrid, largest};
+use crate::numeric::{TimeGrid, largest, rounded};
+
+/// Largest difference between the direction of a link on a carriage and the root's slope of its state.
+const SAME_DIRECTION_RAD: f64 = 1e-9;
 
 /// The motion of a link at one instant.
 ///
@@ -56,11 +59,11 @@ impl LinkState {
             }
             _ => {}
         }
-        let words = ["is of a hub", "is of a carriage"].map(str::to_owned);
-        match (self.carriage.is_some(), is_large && link.joint().slides()) {
-            (false, true) => return refused(words[0].clone(), "be of a carriage".into()),
-            (true, false) => return refused(words[1].clone(), "be without one".into()),
-            _ => {}
+        // Words that stay in messages on a carriage.
+        let kind = |slides| if slides { "of a link that slides" } else { "of a link that rotates" };
+        let [found, own] = [self.carriage.is_some(), is_large && link.joint().slides()];
+        if found != own {
+            return refused(format!("is {}", kind(found)), format!("be {}", kind(own)));
         }
         let places = self.x_m.len();
         let lists = [Some(&self.slope_rad), Some(&self.slope_rate_rad_s)].into_iter();
@@ -72,6 +75,11 @@ impl LinkState {
         let numbers = lists.flatten().chain(&self.x_m).chain(self.carriage.iter().flatten());
         if let Some(lost) = numbers.copied().find(|number| !number.is_finite()) {
             return refused(format!("holds {lost}"), "hold finite numbers".into());
+        }
+        let own_rad = link.direction_rad().unwrap_or(0.0);
+        if link.joint().slides() && (self.slope_rad[0] - own_rad).abs() > SAME_DIRECTION_RAD {
+            let [found, own] = [self.slope_rad[0], own_rad].map(|rad| rounded(rad.to_degrees(), 6));
+            return refused(format!("has the direction {found} deg"), format!("have {own} deg"));
         }
         let is_sprung = link.root_stiffness_n_m_rad().is_some();
         let mut pairs = self.x_m.windows(2).skip(usize::from(is_sprung) * self.springs());
