@@ -8,7 +8,7 @@ use clap::Args;
 
 use crate::beam::{Mesh, MeshPlan};
 use crate::csv::Digits;
-use crate::modal::natural_frequencies;
+use crate::modal::{buckling_share, natural_frequencies};
 use crate::model::{
     FrequencyResponse, KeptModes, ModelError, changes_on_halves, model_of, responses_with_weight,
 };
@@ -201,10 +201,12 @@ impl Frf {
             changes.iter().map(|change| per_change * change).collect()
         });
         let known = frequencies_hz.iter().copied().zip(errors.iter().flatten().copied());
+        let outward_m_s2 = link.outward_m_s2().filter(|_| has_weight);
+        let share = outward_m_s2.and_then(|own| buckling_share(model.mesh(), own));
         Ok(Responses {
             error: BandMeshError::of_errors(known, Refined::Elements),
             columns: link_response(link, &rows, errors.as_deref()),
-            falls: false,
+            falls: share.is_some_and(|share| share >= 1.0),
             has_weight,
         })
     }
@@ -271,6 +273,7 @@ impl Frf {
         if falls {
             let words = format!("{}: it responds so only under control", falling(arm, "free"));
             let hint = match arm.links() {
+                [_] if arm.joint().slides() => "modes prints how fast the straight link falls",
                 [_] => {
                     "modes --at prints how fast the straight link falls; here its sag counts, too"
                 }

@@ -125,8 +125,8 @@ impl Problem {
         let is_of_tip = self.wanted.motion.tip().is_some();
         if is_of_tip || matches!(error, InversionError::TooMuchMemory { .. }) {
             let failure = Failure::from(error);
-            let message = arm.worded(&failure.message);
-            return Failure { message, ..failure };
+            let hint = failure.hint.map(|hint| arm.worded(&hint));
+            return Failure { message: arm.worded(&failure.message), hint, ..failure };
         }
         if error.sample().is_some() || error == InversionError::NoCarriage {
             return self.wanted.rows.refused(error.sample(), &error, hint).into();

@@ -57,8 +57,11 @@ pub(super) fn torque(view: &View, joint: usize) -> Figure {
     Figure { spans: view.lead_and_lag(joint), ..figure }.by(torque_formula(view))
 }
 
+/// A history of a joint.
+type HistoryOf = fn(&StoredJoint) -> Cow<[f64]>;
+
 /// Quantities of the carriage of an arm that are drawn if they have a limit: its key, title, axis and unit.
-const OF_CARRIAGE: [([&str; 4], fn(&StoredJoint) -> Cow<[f64]>); 3] = [
+const OF_CARRIAGE: [([&str; 4], HistoryOf); 3] = [
     (["hub_rate", "Speed of the carriage", "speed", "m/s"], |joint| Cow::from(&joint.rate_rad_s)),
     (["hub_acceleration", "Acceleration of the carriage", "acceleration", "m/s²"], |joint| {
         Cow::from(&joint.acceleration_rad_s2)
@@ -72,7 +75,7 @@ const OF_CARRIAGE: [([&str; 4], fn(&StoredJoint) -> Cow<[f64]>); 3] = [
 pub(super) fn carriage(view: &View) -> Vec<Figure> {
     let Some(carriage) = view.first().carriage.as_ref() else { return Vec::new() };
     let own = &carriage.joint;
-    let lines = |name: &str, of: fn(&StoredJoint) -> Cow<[f64]>| {
+    let lines = |name: &str, of: HistoryOf| {
         view.of_runs(name, |arm| {
             let carriage = arm.carriage.as_ref()?;
             Some((&arm.times_s, of(&carriage.joint)))

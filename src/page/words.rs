@@ -291,7 +291,7 @@ fn of_joint(joint: &Joint, text: &str, before: &str) -> String {
 }
 
 /// Meanings of the kinds of warnings of a sweep's cases.
-const WARNINGS: [(&str, &str); 34] = [
+const WARNINGS: [(&str, &str); 35] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),
     (
@@ -352,6 +352,7 @@ const WARNINGS: [(&str, &str); 34] = [
     ("state_cut", "The modes leave out a part of the state from which the link starts."),
     ("unsettled", "A finer computation still changes the answer."),
     ("imbalance", "Work and energy do not balance."),
+    ("falls", "The weight exceeds the weight that buckles the link."),
     ("late_target", "The target begins after the tip has begun to move."),
 ];
 

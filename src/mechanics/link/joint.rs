@@ -19,7 +19,8 @@ const NAMES: [(&str, &str); 12] = [
 ];
 
 /// Words and units of a hub in texts, and those of a carriage in their place; longer ones stand first.
-const WORDS: [(&str, &str); 23] = [
+const WORDS: [(&str, &str); 24] = [
+    ("the motion, or write the motion as angles", "the motion"),
     ("T/a_tip of the paper's dense H", "F/a_tip by assembled matrices"),
     ("T/a_tip", "F/a_tip"),
     ("large deflections and centrifugal stiffening", "large deflections"),

@@ -12,7 +12,7 @@ use super::play::{Input, Play};
 use super::played::{Played, PlayedBy, PlayedLink};
 use super::stepper::Stepper;
 use crate::link::Arm;
-use crate::modal::{DampingLaw, Shape};
+use crate::modal::{DampingLaw, Shape, buckling_share};
 use crate::numeric::{CubicSpline, SplineEnds, extremes, largest, largest_difference};
 
 /// Balance of energy at one time, in J.
@@ -243,7 +243,11 @@ pub(super) fn of_bent(
             begins.filter(|_| play.state.is_none()).into_iter().chain(ends).collect()
         }
     };
-    if is_link {
+    let outward_m_s2 = first.mesh.joint().slides().then(|| arm.links()[0].link.outward_m_s2());
+    let share = outward_m_s2.flatten().and_then(|own| buckling_share(&first.mesh, own));
+    if let Some(share) = share.filter(|share| *share >= 1.0) {
+        warnings.push(SimulationWarning::Falls { share });
+    } else if is_link {
         let first_rad_s = first.natural_frequencies_rad_s.first().filter(|omega| **omega > 0.0);
         let period_s = first_rad_s.map(|omega| TAU / omega);
         // Bent links move until the end, so that the step always matters.

@@ -310,6 +310,15 @@ pub enum SimulationWarning {
         /// Whether the motion is that of an arm.
         is_arm: bool,
     },
+    /// An upright link with more than the weight that buckles it.
+    #[error(
+        "the weight is {share:.2} of the weight that buckles the link: the link falls from its straight shape, and its \
+         first natural frequency is that of another mode"
+    )]
+    Falls {
+        /// The weight over the buckling weight.
+        share: f64,
+    },
     /// Work that energy and losses do not account for.
     #[error("work and energy differ by {share:.1e} of the largest of them")]
     Imbalance {
@@ -348,6 +357,7 @@ impl SimulationWarning {
             Self::ReferenceApart { .. } => "reference_apart",
             Self::StateCut { .. } => "state_cut",
             Self::Unsettled { .. } => "unsettled",
+            Self::Falls { .. } => "falls",
             Self::Imbalance { .. } => "imbalance",
             Self::CoarseMesh { .. } => "coarse_mesh",
         }
@@ -386,6 +396,7 @@ impl SimulationWarning {
             Self::Unsettled { is_arm: true, .. } => {
                 "use feedback if the arm falls from its pose; else torques without jumps, or damping and hub.inertia"
             }
+            Self::Falls { .. } => "use a stiffer or lighter link, or a lighter payload",
             Self::Imbalance { .. } => "use a shorter step of the torques, or smaller gains",
             Self::Unsettled { .. } => {
                 "use feedback if the link falls from its pose; else an input without jumps, or damping and hub.inertia"
