@@ -278,7 +278,8 @@ impl Shared {
         let Solved { solution, metrics, exceeded, .. } = &run.solved;
         let numbers = self.kind.solved(&SolvedCase::of(solution, metrics));
         let own = solution.warnings.iter().map(Notice::from);
-        let notices = own.chain(exceeded.iter().map(of_limit)).collect();
+        let limits = exceeded.iter().map(|own| of_limit(own, &solution.arm));
+        let notices = own.chain(limits).collect();
         if let Some(folder) = folder {
             run.write_into(&folder, Vec::new())?;
         }
