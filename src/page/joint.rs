@@ -57,18 +57,11 @@ pub(super) fn torque(view: &View, joint: usize) -> Figure {
     Figure { spans: view.lead_and_lag(joint), ..figure }.by(torque_formula(view))
 }
 
-/// A history of a joint.
-type HistoryOf = fn(&StoredJoint) -> Cow<[f64]>;
-
-/// Quantities of the carriage of an arm that are drawn if they have a limit: its key, title, axis and unit.
-const OF_CARRIAGE: [([&str; 4], HistoryOf); 3] = [
-    (["hub_rate", "Speed of the carriage", "speed", "m/s"], |joint| Cow::from(&joint.rate_rad_s)),
-    (["hub_acceleration", "Acceleration of the carriage", "acceleration", "m/s²"], |joint| {
-        Cow::from(&joint.acceleration_rad_s2)
-    }),
-    (["power", "Power at the carriage", "power", "W"], |joint| {
-        power_w(&joint.torque_n_m, &joint.rate_rad_s)
-    }),
+/// Quantities of [`LIMITED`] in the words of an arm's carriage: key, title, axis and unit.
+const OF_CARRIAGE: [[&str; 4]; 3] = [
+    ["hub_rate", "Speed of the carriage", "speed", "m/s"],
+    ["hub_acceleration", "Acceleration of the carriage", "acceleration", "m/s²"],
+    ["power", "Power at the carriage", "power", "W"],
 ];
 
 /// Force on the carriage of an arm, its place, and its quantities with a limit.
@@ -76,14 +69,11 @@ pub(super) fn carriage(view: &View) -> Vec<Figure> {
     let Some(carriage) = view.first().carriage.as_ref() else { return Vec::new() };
     let own = &carriage.joint;
     let lines = |name: &str, of: HistoryOf| {
-        view.of_runs(name, |arm| {
-            let carriage = arm.carriage.as_ref()?;
-            Some((&arm.times_s, of(&carriage.joint)))
-        })
+        view.of_runs(name, |arm| Some((&arm.times_s, of(&arm.carriage.as_ref()?.joint)?)))
     };
     let force = |name: &str, history: &[f64]| peak_words(own.reading(name), history);
     let mut caption = format!("At most {} N.", force("peak_force_n", &own.torque_n_m));
-    let mut curves = lines("flexible arm", |joint| Cow::from(&joint.torque_n_m));
+    let mut curves = lines("flexible arm", |joint| Some(Cow::from(&joint.torque_n_m)));
     if let Some(rigid) = &own.rigid_torque_n_m {
         let peak = force("peak_rigid_force_n", rigid);
         let _ = write!(caption, " Were the links rigid, it would be {peak} N.");
@@ -92,16 +82,17 @@ pub(super) fn carriage(view: &View) -> Vec<Figure> {
     caption.push_str(&Curve::add_limit(&mut curves, (own.limits.of("torque"), 0.0), ("", "N"), 1));
     let title = "Force on the carriage";
     let figure = view.figure("carriage-force", title, caption, ("force", "N"), curves);
-    let mut places = lines("carriage", |joint| Cow::from(&joint.angle_rad));
+    let mut places = lines("carriage", |joint| Some(Cow::from(&joint.angle_rad)));
     let mut caption = "Place along the rail, from the path.".to_owned();
     let travel = (own.limits.of("hub_angle"), own.angle_rad[0]);
     caption.push_str(&Curve::add_limit(&mut places, travel, ("", "m"), 1));
     let title = "Place of the carriage";
     let place = view.figure("carriage", title, caption, ("place", "m"), places);
-    let limited = OF_CARRIAGE.iter().filter_map(|([key, title, axis, unit], of)| {
+    let limited = OF_CARRIAGE.iter().filter_map(|[key, title, axis, unit]| {
         let limit = own.limits.of(key)?;
+        let Limited { of, .. } = LIMITED.iter().find(|topic| topic.quantity.1 == *key)?;
         let mut curves = lines("flexible arm", *of);
-        let mut caption = format!("At most {} {unit}.", significant(largest(&of(own)), 4));
+        let mut caption = format!("At most {} {unit}.", significant(largest(&of(own)?), 4));
         caption.push_str(&Curve::add_limit(&mut curves, (Some(limit), 0.0), ("", unit), 1));
         let id = format!("carriage-{axis}");
         Some(view.figure(id, title, caption, (axis, unit), curves))
@@ -192,6 +183,9 @@ pub(super) fn bent_angles(view: &View) -> Result<Figure, String> {
     Ok(figure.by(formula::BENDING_ANGLES))
 }
 
+/// A history of a joint, if it has one.
+type HistoryOf = fn(&StoredJoint) -> Option<Cow<[f64]>>;
+
 /// A figure of a quantity of a hub or of a joint that may have a limit.
 pub(super) struct Limited {
     /// Id of the figure; for a motor `motor-torque`.
@@ -200,7 +194,7 @@ pub(super) struct Limited {
     title: &'static str,
     /// Name of the vertical axis, and key of the limit.
     pub(super) quantity: (&'static str, &'static str),
-    of: fn(&StoredJoint) -> Option<Cow<[f64]>>,
+    of: HistoryOf,
     formula: &'static str,
 }
 

@@ -243,8 +243,7 @@ pub(super) fn of_bent(
             begins.filter(|_| play.state.is_none()).into_iter().chain(ends).collect()
         }
     };
-    let outward_m_s2 = first.mesh.joint().slides().then(|| arm.links()[0].link.outward_m_s2());
-    let share = outward_m_s2.flatten().and_then(|own| buckling_share(&first.mesh, own));
+    let share = first.outward_m_s2.and_then(|own| buckling_share(&first.mesh, own));
     if let Some(share) = share.filter(|share| *share >= 1.0) {
         warnings.push(SimulationWarning::Falls { share });
     } else if is_link {
