@@ -367,6 +367,36 @@ fn weight_on_a_spring_at_the_root_is_verified_by_the_equations_of_the_elastica()
     }
 }
 
+/// A slim mast that stands, and a hub under gravity, with the output inboard of the tip.
+#[test]
+fn weight_on_a_station_is_verified_by_the_equations_of_the_elastica() {
+    let bench = bench();
+    bench.done("trajectory septic --distance 0.4 --duration 1.2 --step 0.005 -o slow.csv");
+    let link = |joint: &str, direction: &str, stiffness: f64| {
+        format!(
+            "gravity = [0.0, -9.81]\nstart_angle = '{direction}'\n{joint}\n[output]\nat = 0.9\n\
+             [[segments]]\nlength = 1.2\nEI = {stiffness}\nmass_per_length = 0.25\n\
+             [damping]\nmodel = 'rayleigh'\nbeta = 2e-3\n"
+        )
+    };
+    bench.write("mast.toml", &link("[carriage]\nmass = 1.5", "90 deg", 3.0));
+    bench.write("hub.toml", &link("[hub]\ninertia = 0.02", "30 deg", 60.0));
+    for file in ["mast.toml", "hub.toml"] {
+        let verified = succeeded(bench.run(&format!("verify {file} slow.csv")));
+        assert!(stdout(&verified).contains("moved"), "{}", stdout(&verified));
+    }
+    // With the weight: the frequency of the mast without it is 5.79 Hz.
+    let frequency = "at 5.576 Hz no force moves the output";
+    let told = stderr(&succeeded(bench.run("solve mast.toml slow.csv -o out")));
+    assert!(told.contains(&frequency.replace("5.576", "5.5763")), "{told}");
+    let lying = "--set start_angle=0.3 --set damping={model='hysteretic',ratio=0.01}";
+    let refused = stderr(&ended(3, bench.run(&format!("solve mast.toml slow.csv {lying}"))));
+    assert!(
+        refused.contains("Hz, within the motion's band, no force moves the output"),
+        "{refused}"
+    );
+}
+
 #[test]
 fn a_motor_moves_the_carriage_by_its_pinion() {
     let bench = bench();

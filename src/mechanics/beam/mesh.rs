@@ -207,6 +207,12 @@ impl Mesh {
         self.output
     }
 
+    /// Distance of the output from the axis in m.
+    #[inline(always)]
+    pub fn output_m(&self) -> f64 {
+        self.nodes_m[self.output]
+    }
+
     /// Displacement of the rigid link's output per unit of the joint's position: of the tip, the length L of a link that
     /// turns, 1 of one that slides.
     pub fn rigid_tip(&self) -> f64 {

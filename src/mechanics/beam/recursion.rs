@@ -142,7 +142,6 @@ impl<S: Scalar> HubResponse<S> {
 #[inline(always)]
 pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
     let (one, link_m, output) = (lambda.lift(1.0).size(), mesh.length_m(), mesh.output());
-    let output_m = mesh.nodes_m()[output];
     // Tip displacement per motion (v, φ) of the node, without its rigid part (1, L − x).
     let [mut e_v, mut e_phi] = [lambda.lift(0.0); 2];
     let mut largest_gain = lambda.lift(0.0).size();
@@ -156,7 +155,7 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
                 return;
             }
             let rigid = [e_v, e_v * mesh.relative_elements()[index].length_m + e_phi];
-            let arm_m = output_m - mesh.nodes_m()[index + 1];
+            let arm_m = mesh.output_m() - mesh.nodes_m()[index + 1];
             let bent = step.eliminated.along([e_v + 1.0, e_phi + arm_m]);
             [e_v, e_phi] = [rigid[0] + bent[0], rigid[1] + bent[1]];
         },

@@ -215,7 +215,8 @@ impl Follower<'_> {
             let pair = linear.state.chords[0].pair_for(REACH * band);
             let swept = self.swept(linear, &latest.answers, (&pair, band, moving));
             let diverges = |error: ElasticaError, change| match error {
-                error if self.needs_more(&error) || self.models.len() == 1 => error,
+                error if self.needs_more(&error) => error,
+                error if self.models.len() == 1 && error.is_of_step() => error,
                 // The first iteration has the linear slopes, for which the path's pose is possible.
                 error if iterations == 1 && !matches!(error, ElasticaError::Elbow { .. }) => error,
                 error => error.diverging(iterations, change),
@@ -299,8 +300,13 @@ impl Follower<'_> {
         for (link, own) in bent.iter().enumerate().rev() {
             let on_chord = self.on_chord(link, &state.chords[link]);
             let time = on_chord.chord.at(pair);
-            let loads = own.loads((histories.pop().unwrap_or_default(), &time));
-            let loads = loads.map_err(|error| self.of_link(link, error))?;
+            let histories = histories.pop().unwrap_or_default();
+            let deflections = on_chord.weighed.map(|_| histories[..2 * own.nodes_m.len()].to_vec());
+            let loads = own.loads((histories, &time));
+            let mut loads = loads.map_err(|error| self.of_link(link, error))?;
+            if let Some((weighed, deflections)) = on_chord.weighed.zip(deflections) {
+                weighed.restore(&deflections, &mut loads.nodal);
+            }
             largest_slope = is_one.then_some(loads.largest_slope);
             let link_answers = on_chord.with_loads(&linear.answers[link], &loads.nodal, pair);
             let few = &link_answers[..bins.min(link_answers.len())];

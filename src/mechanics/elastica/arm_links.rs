@@ -9,11 +9,11 @@ use super::chord::{ChordHistories, ChordPeriod, TipLoad, resolved};
 use super::error::ElasticaError;
 use super::kinematics::{ArmPeriod, Bar, Moving, axes};
 use super::loads::SecondOrder;
-use super::on_chord::{LinkOnChord, REACH, check};
+use super::on_chord::{LinkOnChord, REACH, check, is_undamped};
 use super::reaction::{ArmLinkMotion, ArmMotion, Iteration, apart, band, joint_rates, size};
 use super::sag::Sag;
 use crate::beam::LoadedMotion;
-use crate::modal::DampingLaw;
+use crate::modal::{DampingLaw, WeighedLink};
 use crate::model::Model;
 use crate::numeric::{FourierPair, Size, magnitude};
 
@@ -23,6 +23,10 @@ const ROUND_OFF: f64 = 1e-12;
 /// Share of the torques, all added up, beyond the frequencies that samples must resolve: the answer of the links to
 /// accelerations that the period leaves out.
 const LEFT_OUT: f64 = 1e-12;
+
+/// Largest number of elements whose weight stands in the linear link: its elimination loses the fourth power of the number
+/// in digits.
+const MOST_ELEMENTS_WEIGHED: usize = 128;
 
 /// Amplitudes of the answer of each link.
 pub(super) type Answers = Vec<Vec<LoadedMotion<Complex64>>>;
@@ -37,6 +41,9 @@ pub(super) struct Follower<'a> {
     pub(super) second_order: SecondOrder,
     /// Damping ratio and sag of each link, if hysteretic links have weight.
     pub(super) sags: Vec<(f64, Sag)>,
+    /// The link with the weight along it, if it keeps its direction and its second-order terms count. Damping keeps the
+    /// digits of its elimination at a resonance; a long mesh loses them.
+    weighed: Option<WeighedLink>,
     /// Amplitude of a torque in N m below which it may be round-off of the largest.
     pub(super) round_off_n_m: f64,
 }
@@ -127,9 +134,9 @@ impl<'a> Follower<'a> {
             let stride = whole.stride_to(fewest);
             let arm = whole.thinned(stride);
             fewest = 2 * arm.len();
-            let (sags, round_off_n_m) = (Vec::new(), 0.0);
+            let (sags, weighed, round_off_n_m) = (Vec::new(), None, 0.0);
             let mut follower =
-                Self { models, whole, arm, stride, second_order, sags, round_off_n_m };
+                Self { models, whole, arm, stride, second_order, sags, weighed, round_off_n_m };
             match follower.solved() {
                 Ok(linear) if stride == 1 || follower.resolves(&linear, negligible) => {
                     return Ok((follower, linear));
@@ -196,6 +203,13 @@ impl<'a> Follower<'a> {
             self.sags = ratios.into_iter().zip(sags).collect();
         }
         let linear = self.linear(state)?;
+        let own = &models[0];
+        let outward_m_s2 = own.link().outward_m_s2().filter(|_| {
+            self.second_order != SecondOrder::None
+                && !is_undamped(own.law())
+                && own.mesh().elements().len() <= MOST_ELEMENTS_WEIGHED
+        });
+        self.weighed = outward_m_s2.and_then(|outward| WeighedLink::of(own.mesh(), outward));
         // The torque of one link has no round-off of a next link's load.
         if models.len() > 1 {
             let amplitudes = linear.answers.iter().flatten();
@@ -212,7 +226,8 @@ impl<'a> Follower<'a> {
         // The friction of several links acts between them, that of a carriage on its motion with the chord.
         let is_turning = self.models.len() == 1 && !self.arm.slides();
         let friction_n_m_s_rad = if is_turning { model.link().joint().friction() } else { 0.0 };
-        LinkOnChord { model, chord, sag, friction_n_m_s_rad, round_off_n_m }
+        let weighed = self.weighed.as_ref();
+        LinkOnChord { model, chord, sag, weighed, friction_n_m_s_rad, round_off_n_m }
     }
 
     /// The bars of an arm, with shortened links, at each sample of a period.
@@ -222,7 +237,7 @@ impl<'a> Follower<'a> {
         shortened: Option<&Shortened>,
     ) -> Result<Vec<Bars>, ElasticaError> {
         let rigid: Vec<Moving> =
-            self.models.iter().map(|model| [model.mesh().length_m(), 0.0, 0.0]).collect();
+            self.models.iter().map(|model| [model.mesh().output_m(), 0.0, 0.0]).collect();
         let by_m = shortened.map(|Shortened { by_m, pair, bins }| {
             let derived = |few: &Vec<f64>, derived| arm.at_all(pair, few, *bins, derived);
             by_m.iter().map(|few| [0, 1, 2].map(|order| derived(few, order))).collect::<Vec<_>>()
@@ -336,7 +351,8 @@ impl<'a> Follower<'a> {
                 .collect();
             let mut chord_length_m = history(&|bar| bar.length_m[0]);
             if state.shortened.is_none() {
-                let shortened = bent.shortenings_m.last().into_iter().flatten();
+                let output = self.models[link].mesh().output();
+                let shortened = bent.shortenings_m.get(output).into_iter().flatten();
                 chord_length_m.iter_mut().zip(shortened).for_each(|(length, own)| *length += own);
             }
             ArmLinkMotion {
@@ -385,8 +401,16 @@ impl ArmMotion {
         whole: &ArmPeriod,
     ) -> Result<Vec<(Self, f64)>, ElasticaError> {
         let (arm, second_order, sags) = (whole.clone(), self.second_order, Vec::new());
-        let follower =
-            Follower { models, whole, arm, stride: 1, second_order, sags, round_off_n_m: 0.0 };
+        let follower = Follower {
+            models,
+            whole,
+            arm,
+            stride: 1,
+            second_order,
+            sags,
+            weighed: None,
+            round_off_n_m: 0.0,
+        };
         let mut state = follower.chords(None)?;
         state.forces_n.resize(models.len(), <_>::default());
         let other = |(answers, factor): &(Answers, f64)| {

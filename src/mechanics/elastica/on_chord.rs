@@ -13,7 +13,7 @@ use super::reaction::{ElasticaMotion, Straight, band, softest};
 use super::sag::Sag;
 use crate::beam::{LoadedMotion, Loads};
 use crate::link::Link;
-use crate::modal::DampingLaw;
+use crate::modal::{DampingLaw, WeighedLink};
 use crate::model::{KeptModes, Model};
 use crate::numeric::FourierPair;
 use crate::system::end_if_stopped;
@@ -27,6 +27,8 @@ pub(super) struct LinkOnChord<'a> {
     pub(super) chord: &'a ChordPeriod,
     /// Damping ratio ξ and sag, if a hysteretic link has weight.
     pub(super) sag: Option<(f64, &'a Sag)>,
+    /// The link with the weight along it, if it keeps its direction.
+    pub(super) weighed: Option<&'a WeighedLink>,
     /// Friction of a hub against a fixed base, in N m s/rad.
     pub(super) friction_n_m_s_rad: f64,
     /// Amplitude of a torque in N m below which it may be round-off of the next link's load.
@@ -62,11 +64,7 @@ impl LinkOnChord<'_> {
             .collect();
         let mesh = self.model.mesh();
         // With damping a payload's inertia blocks no frequency completely.
-        let is_undamped = matches!(
-            self.model.law(),
-            DampingLaw::Hysteretic { ratio: 0.0 }
-                | DampingLaw::Rayleigh { alpha_per_s: 0.0, beta_s: 0.0 }
-        );
+        let is_undamped = is_undamped(self.model.law());
         let is_lost = |bin: &usize| {
             let tip = || self.model.tip_transfer(self.chord.omega_rad_s(*bin));
             !answers[*bin].torque_n_m.is_finite() || is_undamped && tip().is_blocked(mesh)
@@ -112,7 +110,7 @@ impl LinkOnChord<'_> {
         pair.samples(amplitudes.collect::<Vec<_>>())
     }
 
-    /// The linear answers plus the answers to loads, where the loads have no alias.
+    /// The linear answers plus the answers to loads, where the loads have no alias. A weighed link moves with its weight.
     pub(super) fn with_loads(
         &self,
         linear: &[LoadedMotion<Complex64>],
@@ -123,7 +121,14 @@ impl LinkOnChord<'_> {
         let at = |bin: usize| {
             end_if_stopped();
             let nodal = spectra.chunks(2).map(|node| [node[0][bin], node[1][bin]]).collect();
-            self.model.loaded_motion(self.chord.omega_rad_s(bin), &self.moved(bin, nodal))
+            let (omega_rad_s, loads) = (self.chord.omega_rad_s(bin), self.moved(bin, nodal));
+            match self.weighed {
+                Some(weighed) => {
+                    let factors = self.model.law().factors(omega_rad_s);
+                    weighed.loaded_motion(omega_rad_s, factors, &loads)
+                }
+                None => self.model.loaded_motion(omega_rad_s, &loads),
+            }
         };
         let mut answers: Vec<_> = (0..resolved(pair)).into_par_iter().map(at).collect();
         answers.extend(linear.iter().skip(answers.len()).cloned());
@@ -298,6 +303,15 @@ impl LinkOnChord<'_> {
     }
 }
 
+/// True if a law takes no energy.
+pub(super) fn is_undamped(law: &DampingLaw) -> bool {
+    matches!(
+        law,
+        DampingLaw::Hysteretic { ratio: 0.0 }
+            | DampingLaw::Rayleigh { alpha_per_s: 0.0, beta_s: 0.0 }
+    )
+}
+
 /// Limit of iterations, even if they still converge.
 pub(super) const MOST_ITERATIONS: usize = 100;
 
@@ -460,9 +474,14 @@ mod tests {
             across_n: history(-5.0, 3.0),
             torque_n_m: history(0.7, 2.0),
         });
-        let (sag, friction_n_m_s_rad, round_off_n_m) = (None, 0.0, 0.0);
-        let on_chord =
-            LinkOnChord { model: &*model, chord: &chord, sag, friction_n_m_s_rad, round_off_n_m };
+        let on_chord = LinkOnChord {
+            model: &*model,
+            chord: &chord,
+            sag: None,
+            weighed: None,
+            friction_n_m_s_rad: 0.0,
+            round_off_n_m: 0.0,
+        };
         let answers = on_chord.linear().unwrap();
         let all_of = |bent: &BentLink| {
             let states = (on_chord.histories(&answers, 3, &chord.pair), &chord.histories);

@@ -12,9 +12,7 @@ use super::solution::SecondOrderFindings;
 use super::spectra::DrivenModel;
 use super::warning::Warning;
 use crate::beam::Mesh;
-use crate::modal::{
-    NOTICEABLE, REPORTED_MODES, Thickness, natural_frequencies, real_frequency_zeros,
-};
+use crate::modal::{NOTICEABLE, REPORTED_MODES, Thickness, natural_frequencies, reported_blocked};
 use crate::model::Model;
 use crate::motion::{TipMotion, TipSpectrum};
 use crate::numeric::{FourierPair, fast_length, largest, magnitude};
@@ -111,7 +109,7 @@ impl Diagnostics<'_> {
             .chain((seam > tolerance).then_some(wrap_around))
             .chain(is_long.then_some(Warning::LongWindow { rows, times }))
             .chain(self.inexact_window())
-            .chain(blocked_tip(mesh, spectrum, tolerance))
+            .chain(blocked_tip(self.model, spectrum, tolerance))
             .chain(near_nyquist(spectrum).filter(|_| !spectrum.cutoff.is_set_by_input()))
             .chain(above_mesh(mesh, spectrum, &answer.moving_torque_n_m(model.link())))
             .chain(coarse_mesh)
@@ -278,12 +276,17 @@ pub(super) fn thick_link(share: f64) -> Option<Warning> {
     (share > NOTICEABLE).then_some(Warning::ThickLink { share })
 }
 
-/// Zeros of torque → tip on the real axis, where the motion holds more than the tolerance.
-pub(super) fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -> Vec<Warning> {
+/// Zeros of torque → output on the real axis, where the motion holds more than the tolerance.
+pub(super) fn blocked_tip(
+    model: &dyn Model,
+    spectrum: &TipSpectrum,
+    tolerance: f64,
+) -> Vec<Warning> {
     let (magnitudes, peak) = (&spectrum.magnitudes_m_s2, spectrum.largest_m_s2);
     let bins = magnitudes.iter().rposition(|a| *a > tolerance * peak).unwrap_or(0);
     let spacing = spectrum.omegas_rad_s[1];
-    let zeros = real_frequency_zeros(mesh, spectrum.omegas_rad_s[bins]);
+    let outward_m_s2 = model.link().outward_m_s2();
+    let zeros = reported_blocked(model.mesh(), outward_m_s2, spectrum.omegas_rad_s[bins]);
     let blocked = zeros.into_iter().filter_map(|omega| {
         // Damping shifts the zero off the axis, not along it: the nearest bins hold the content there.
         let below = ((omega / spacing) as usize).min(magnitudes.len() - 2);

@@ -48,9 +48,6 @@ pub enum InversionError {
         /// The tolerance of the mesh.
         tolerance: f64,
     },
-    /// Second-order terms of a link with this part.
-    #[error("second-order terms are not computed yet for {0}")]
-    OnlyLinear(&'static str),
     /// A weight that buckles the link, or next to it.
     #[error(
         "the weight is {share:.3} of the one that buckles the link, but must be below {BUCKLED}"
@@ -136,16 +133,16 @@ pub enum InversionError {
         /// Smallest valid size.
         least: f64,
     },
-    /// Second-order terms that grow where a body's rotary inertia holds a link's tip.
+    /// Second-order terms that grow where no torque moves a link's output.
     #[error(
-        "the second-order terms do not converge: at {} Hz, within the path's band, no torque moves the tip of link {}, which a \
-         body's rotary inertia holds",
+        "the second-order terms do not converge: at {} Hz, within the motion's band, no torque moves the tip{} (rotary \
+         inertia, shear or payload)",
         significant(*frequency_hz, 4),
-        link + 1
+        link.map_or_else(String::new, |link| format!(" of link {}", link + 1))
     )]
     Blocked {
-        /// Number of the link, from 0.
-        link: usize,
+        /// Number of the link, from 0. `None` for the only one.
+        link: Option<usize>,
         /// The frequency in Hz.
         frequency_hz: f64,
     },
@@ -216,7 +213,7 @@ fn counted(samples: usize) -> String {
 impl InversionError {
     /// True if a file or an option causes the error, whatever the link.
     pub fn is_of_input(&self) -> bool {
-        matches!(self, Self::NoStartAngle | Self::OnlyLinear(_) | Self::Ends(RefusedEnds::Edges))
+        matches!(self, Self::NoStartAngle | Self::Ends(RefusedEnds::Edges))
     }
 
     /// Number of the path's sample that causes the error, from 0, where one does.
@@ -253,7 +250,6 @@ impl InversionError {
                 "check the units of motion and link, and their powers of ten"
             }
             Self::Buckled { .. } => "use a stiffer or lighter link, or a lighter payload",
-            Self::OnlyLinear(_) => "use analysis.second_order = \"none\"",
             Self::NoStartAngle => {
                 "set start_angle in the link file, the direction of the link before the motion, or write the motion \
                  as angles"
@@ -281,7 +277,7 @@ impl InversionError {
                 "use a path that keeps away from the stretched arm and from the first joint, or a path of angles"
             }
             Self::Blocked { .. } => {
-                "use a slower or smoother path, more damping, or analysis.second_order = \"first\", with a larger \
+                "use a slower or smoother motion, more damping, or analysis.second_order = \"first\", with a larger \
                  error of the tip"
             }
             Self::NorFirst(_) => {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
-use super::arm::{ArmProblem, Solver, invert_arm};
+use super::arm::{ArmProblem, Solver, blocked, invert_arm};
 use super::diagnostics::{Diagnostics, Edge, thick_share};
 use super::error::{BUCKLED, InversionError, RefusedEnds};
 use super::histories::{Histories, SlowTails};
@@ -18,7 +18,7 @@ use super::solution::{
 };
 use super::warning::{SolutionWarning, Warning};
 use crate::beam::{Mesh, MeshPlan};
-use crate::elastica::SecondOrder;
+use crate::elastica::{ElasticaError, SecondOrder};
 use crate::link::{Arm, Link};
 use crate::modal::{buckling_share, real_frequency_zeros, torque_zeros};
 use crate::model::{Model, check_size, model_of};
@@ -82,15 +82,12 @@ fn invert_link(
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;
     let order = analysis.second_order_of(link);
-    if let Some(part) = link.linear_part().filter(|_| order != SecondOrder::None) {
-        return Err(InversionError::OnlyLinear(part));
-    }
     let is_bent = link.has_weight() || order != SecondOrder::None;
     let has_drag = coarsest.law().mass_rate_per_s() > 0.0;
     analysis.refuse_ends(motion.ends(), (is_bent, has_drag))?;
-    let turns = motion.travel_m() / (TAU * link.length_m());
+    let turns = motion.travel_m() / (TAU * link.rigid_tip());
     let is_turned = motion.ends() == Ends::Periodic && (turns - turns.round()).abs() > WHOLE_TURNS;
-    if is_turned && link.has_weight() {
+    if is_turned && link.has_weight() && !link.joint().slides() {
         return Err(InversionError::Ends(RefusedEnds::Turned));
     }
     if is_bent {
@@ -167,7 +164,15 @@ fn invert_bent(
     let arm = coarsest.link().clone().into();
     let problem = ArmProblem::of_link(&link, &arm, first_zero_per_s)?;
     let solver = Solver { problem, plans: std::slice::from_ref(plan), falls_back: false };
-    let measured = solver.measured(vec![coarsest], first_zero_per_s)?;
+    let models = vec![coarsest];
+    let measured = solver.measured(models.clone(), first_zero_per_s).map_err(|error| {
+        let InversionError::Elastica(ElasticaError::Diverges { .. }) = error else { return error };
+        let refusal = blocked(&models, &solver.problem).unwrap_or(error);
+        match solver.problem.second_order {
+            SecondOrder::First => InversionError::NorFirst(Box::new(refusal)),
+            _ => refusal,
+        }
+    })?;
     let (window, edge, errors) = (measured.window, measured.edge, measured.errors[0]);
     let (answer, peaks, model) = measured.of_link();
     let bent = &answer.motion.links[0].bent;

@@ -111,7 +111,7 @@ impl LinkProblem<'_> {
     ) -> LinearModelError {
         let estimate = LinearModelError::estimated(answering, answer, histories);
         let is_small = estimate.tip <= ESTIMATED_TIP && estimate.errors.torque <= ESTIMATED_TORQUE;
-        if is_small || self.resources.is_trial || answering.model.link().linear_part().is_some() {
+        if is_small || self.resources.is_trial {
             return estimate;
         }
         let counted = self.with_all_terms(answering, answer, histories);

@@ -354,7 +354,7 @@ impl Solution {
         Some(pairs.map(|(tip, output)| tip - share * output).collect())
     }
 
-    /// Deflection of a link's tip from the tangent line of its joint in m; for one link `v_tip − Lθ`.
+    /// Deflection of a link's output from the tangent line of its joint in m; for one link `v − xθ` of an output at x.
     pub fn tip_deflection_m(&self, link: usize) -> Vec<f64> {
         let LinkMotion { model, shape, .. } = &self.links[link];
         if let Some(LinkShape { chord, chord_length_m, root_rad, .. }) = shape {
@@ -364,8 +364,7 @@ impl Solution {
             return chords.map(|(length, slope)| length * libm::sin(slope)).collect();
         }
         if let Some(shape) = self.spectra.as_ref().and_then(|spectra| spectra.shape.as_ref()) {
-            let tip = shape.deflections_m.last();
-            return tip.map_or_else(Vec::new, |tip| cut(tip, &self.grid));
+            return cut(&shape.deflections_m[model.mesh().output()], &self.grid);
         }
         let JointMotion { angle_rad, rigid_angle_rad, .. } = &self.joints[link];
         tip_deflection_m(rigid_angle_rad, angle_rad, model.mesh().rigid_tip())

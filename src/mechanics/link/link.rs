@@ -140,10 +140,6 @@ impl Link {
         parts.damping.check()?;
         parts.drive.as_ref().map_or(Ok(()), Drive::check)?;
         parts.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
-        if let Some(part) = link.linear_part().filter(|_| parts.gravity.is_some()) {
-            let must = format!("must not be there: the program does not compute it yet for {part}");
-            return Err(ParameterError::new("gravity", "set", "", must));
-        }
         link.check_movable()?;
         parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
         Ok(Self { parts })
@@ -232,11 +228,6 @@ impl Link {
         self.parts.hub.radius_m + beam
     }
 
-    /// A part for which weight and second-order terms are not computed yet, in words.
-    pub(crate) fn linear_part(&self) -> Option<&'static str> {
-        self.has_station().then_some("an output at a station")
-    }
-
     /// Distance in m from the axis, or from the carriage, to the output whose motion is prescribed: the tip, or a
     /// station on the link.
     pub fn output_m(&self) -> f64 {
@@ -254,14 +245,8 @@ impl Link {
         ((self.length_m() - root_m) / (self.output_m() - root_m)).powi(2)
     }
 
-    /// A text for this link, from the text for a link whose output is the tip and that may bend as far as it likes.
+    /// A text for this link, from the text for a link whose output is the tip.
     pub fn of_output(&self, mut text: String) -> String {
-        if self.linear_part().is_some() {
-            for condition in ["", " if the damping allows it"] {
-                text =
-                    text.replace(&format!("analysis.second_order = \"full\"{condition}, a"), "a");
-            }
-        }
         if self.has_station() {
             text =
                 text.replace("(rotary inertia, shear or payload)", "(the link beyond it swings)");

@@ -10,12 +10,14 @@
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix4, Vector2, Vector4};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use super::frequencies::{
-    SCAN_RANGE, changes, held_frequencies, natural_frequencies, scan_start, torque_zeros,
+    SCAN_RANGE, changes, held_frequencies, natural_frequencies, real_frequency_zeros, scan_start,
+    torque_zeros,
 };
-use crate::beam::{Element, Inertia, Mesh};
-use crate::numeric::{SECTIONS, SymmetricEigen, dot};
+use crate::beam::{Element, Inertia, LoadedMotion, Loads, Mesh};
+use crate::numeric::{SECTIONS, SymmetricEigen};
 
 /// Largest number of elements for a computation of all modes at once.
 pub const MOST_ELEMENTS_OF_A_POSE: usize = 256;
@@ -111,23 +113,23 @@ fn on_joint(mesh: &Mesh, outward_m_s2: f64) -> [DMatrix<f64>; 2] {
     [mass, stiffness]
 }
 
-/// Zeros of the effort → tip of a link with gravity `outward_m_s2` along it: the first `count` real ones in 1/s, and those
+/// Zeros of the effort → output of a link with gravity `outward_m_s2` along it: the first `count` real ones in 1/s, and those
 /// at real frequencies below `limit_rad_s`, in rad/s.
 ///
-/// At a zero an effort at the joint alone leaves the tip at rest: the matrix `K − λM` without the row of the joint and
-/// the column of the tip is singular. `None` for more than [`MOST_ELEMENTS_OF_A_POSE`] elements.
+/// At a zero an effort at the joint alone leaves the output at rest: the matrix `K − λM` without the row of the joint
+/// and the column of the output is singular. `None` for more than [`MOST_ELEMENTS_OF_A_POSE`] elements.
 pub fn pose_zeros(
     mesh: &Mesh,
     outward_m_s2: f64,
     count: usize,
     limit_rad_s: f64,
 ) -> Option<[Vec<f64>; 2]> {
-    let tip = 2 * mesh.nodes_m().len() - 3 - mesh.springs();
-    if tip > 2 * MOST_ELEMENTS_OF_A_POSE {
+    if mesh.elements().len() > MOST_ELEMENTS_OF_A_POSE {
         return None;
     }
+    let output = 2 * mesh.output() - 1 - mesh.springs();
     let [mass, stiffness] =
-        on_joint(mesh, outward_m_s2).map(|all| all.remove_row(0).remove_column(tip));
+        on_joint(mesh, outward_m_s2).map(|all| all.remove_row(0).remove_column(output));
     let determinant = |lambda: f64| {
         let factors = (&stiffness - &mass * lambda).lu();
         let (sign, pivots) = (factors.p().determinant::<f64>(), factors.u().diagonal());
@@ -175,78 +177,145 @@ pub fn reported_zeros(mesh: &Mesh, outward_m_s2: Option<f64>, count: usize) -> V
     zeros.map_or_else(|| torque_zeros(mesh, count), |[real, _]| real)
 }
 
-/// Effort of the joint without friction, and displacement of the output, per unit of the joint's position, of a link with
-/// gravity `outward_m_s2` along it. The function takes ω and the damping law's factors μ of mass and κ of stiffness. With
-/// the rigid motion r and the deflection w from it,
+/// Frequencies below `limit_rad_s` in rad/s at which no effort moves the output, like [`reported_frequencies`].
+pub fn reported_blocked(mesh: &Mesh, outward_m_s2: Option<f64>, limit_rad_s: f64) -> Vec<f64> {
+    let weighed = outward_m_s2.filter(|_| reports_weight(mesh, outward_m_s2));
+    let zeros = weighed.and_then(|own| pose_zeros(mesh, own, 0, limit_rad_s));
+    zeros.map_or_else(|| real_frequency_zeros(mesh, limit_rad_s), |[_, blocked]| blocked)
+}
+
+/// A link on a carriage with gravity along it, over frequency. With the factors μ of mass and κ of stiffness of the damping
+/// law, a displacement u of the carriage, the rigid displacement r and deflections w from it,
 ///
 /// ```text
-/// D = κK + K_g − ω²μM,   D w = −D r,   F = rᵀ D (r + w) − ω²μ I
+/// D = κK + K_g − ω²μM,   D w = q + ω²μM r u,   F = −ω²μ(M_c u + rᵀM (r u + w)) − rᵀq
 /// ```
 ///
-/// `None` as for [`pose_modes`].
-pub(crate) fn pose_transfer(
-    mesh: &Mesh,
-    outward_m_s2: f64,
-) -> Option<impl Fn(f64, [Complex64; 2]) -> [Complex64; 2]> {
-    let last = mesh.elements().len();
-    if last > MOST_ELEMENTS_OF_A_POSE {
-        return None;
+/// K r and `K_g r` are 0, because a displacement across the link turns no part of it.
+pub struct WeighedLink {
+    mass: DMatrix<f64>,
+    bending: DMatrix<f64>,
+    weight: DMatrix<f64>,
+    /// Force and moment on each node per unit acceleration of the rigid link.
+    moved: Vec<Vector2<f64>>,
+    carriage_kg: f64,
+    output: usize,
+}
+
+impl WeighedLink {
+    /// The link with gravity `outward_m_s2` along it. `None` as for [`pose_modes`].
+    pub fn of(mesh: &Mesh, outward_m_s2: f64) -> Option<Self> {
+        if mesh.elements().len() > MOST_ELEMENTS_OF_A_POSE {
+            return None;
+        }
+        let ([mass, mut bending], [_, weight]) =
+            (assembled(mesh, (1.0, 0.0)), assembled(mesh, (0.0, outward_m_s2)));
+        if mesh.springs() > 0 {
+            // The outer end of a spring stays at the root.
+            bending[(2, 2)] += mesh.relative_elements()[0].k_d.m11;
+        }
+        let row = |i: usize| mass.row(i).iter().step_by(2).sum();
+        let moved =
+            (0..mesh.nodes_m().len()).map(|k| Vector2::new(row(2 * k), row(2 * k + 1))).collect();
+        let (carriage_kg, output) = (mesh.joint().inertia(), mesh.output());
+        Some(Self { mass, bending, weight, moved, carriage_kg, output })
     }
-    let ([mass, mut bending], [_, weight]) =
-        (assembled(mesh, (1.0, 0.0)), assembled(mesh, (0.0, outward_m_s2)));
-    if mesh.springs() > 0 {
-        // The outer end of a spring stays at the root.
-        bending[(2, 2)] += mesh.relative_elements()[0].k_d.m11;
+
+    /// Force on the carriage without friction, and displacement of the output, per unit of the carriage's displacement.
+    pub(crate) fn transfer(&self, omega_rad_s: f64, factors: [Complex64; 2]) -> [Complex64; 2] {
+        let square = factors[0] * (omega_rad_s * omega_rad_s);
+        let bent = self.deflections((omega_rad_s, factors), |node| [self.moved(node) * square]);
+        let all: Vec<_> = bent.iter().map(|[w]| w + Vector2::new(1.0.into(), 0.0.into())).collect();
+        [-square * (self.momentum_kg(&all) + self.carriage_kg), all[self.output][0]]
     }
-    let rigid: Vec<f64> = (0..=last).flat_map(|node| mesh.rigid(node)).collect();
-    let of_rigid = |matrix: &DMatrix<f64>| -> Vec<f64> {
-        let row = |i: usize| matrix.row(i).iter().zip(&rigid).map(|(own, r)| own * r).sum();
-        (0..rigid.len()).map(row).collect()
-    };
-    // K r is 0.
-    let (moved, weighed) = (of_rigid(&mass), of_rigid(&weight));
-    let inertia = dot(&moved, &rigid) + mesh.joint().inertia();
-    let (held, output, rigid_tip) = (dot(&weighed, &rigid), mesh.output(), mesh.rigid_tip());
-    Some(move |omega: f64, [of_mass, of_stiffness]: [Complex64; 2]| {
-        let of_mass = of_mass * -(omega * omega);
+
+    /// Force on the carriage, and deflections, that keep the output on the chord, as [`loaded_motion`](crate::beam::loaded_motion)
+    /// without weight.
+    pub(crate) fn loaded_motion(
+        &self,
+        omega_rad_s: f64,
+        factors: [Complex64; 2],
+        loads: &Loads<Complex64>,
+    ) -> LoadedMotion<Complex64> {
+        let (mass, square) = (factors[0], omega_rad_s * omega_rad_s);
+        let chord_m_s2 = loads.axis_m_s2 + loads.chord_rad_s2;
+        let bent = self.deflections((omega_rad_s, factors), |node| {
+            let moved = self.moved(node) * mass;
+            [moved * Complex64::from(square), Vector2::from(loads.nodal[node]) - moved * chord_m_s2]
+        });
+        let [per_place, held] = bent[self.output];
+        let place_m = -held[0] / (per_place[0] + 1.0);
+        let all: Vec<_> = bent
+            .iter()
+            .map(|[per_place, held]| per_place * place_m + held + Vector2::new(place_m, 0.0.into()))
+            .collect();
+        let moving = self.momentum_kg(&all) + place_m * self.carriage_kg;
+        let whole_kg = self.moved.iter().map(|own| own[0]).sum::<f64>() + self.carriage_kg;
+        let borne_n: Complex64 = loads.nodal.iter().map(|[force_n, _]| force_n).sum();
+        LoadedMotion {
+            torque_n_m: mass * (chord_m_s2 * whole_kg - moving * square) - borne_n,
+            hub_slope_rad: place_m,
+            deflections: all.into_iter().map(Into::into).collect(),
+        }
+    }
+
+    /// Adds the loads `K_g w` to histories of force and moment on each node in turn; `deflections` begins with histories of
+    /// (w, w') of each node.
+    pub(crate) fn restore(&self, deflections: &[Vec<f64>], loads: &mut [Vec<f64>]) {
+        loads.par_iter_mut().enumerate().for_each(|(row, load)| {
+            for column in (row & !1).saturating_sub(2)..((row & !1) + 4).min(self.weight.ncols()) {
+                let stiffness = self.weight[(row, column)];
+                load.iter_mut().zip(&deflections[column]).for_each(|(f, w)| *f += stiffness * w);
+            }
+        });
+    }
+
+    fn moved(&self, node: usize) -> Vector2<Complex64> {
+        self.moved[node].map(Complex64::from)
+    }
+
+    /// Momentum across the link per rate of displacements of (v, φ) of the nodes.
+    fn momentum_kg(&self, displacements: &[Vector2<Complex64>]) -> Complex64 {
+        (0..).zip(displacements).map(|(node, own)| self.moved(node).dot(own)).sum()
+    }
+
+    /// Deflections of all nodes of the link with its root held, for N sets of loads on each node.
+    fn deflections<const N: usize>(
+        &self,
+        (omega_rad_s, [of_mass, of_stiffness]): (f64, [Complex64; 2]),
+        loads: impl Fn(usize) -> [Vector2<Complex64>; N],
+    ) -> Vec<[Vector2<Complex64>; N]> {
+        let of_mass = of_mass * -(omega_rad_s * omega_rad_s);
         let block = |inner: usize, outer: usize| {
             Matrix2::from_fn(|i, j| {
                 let at = (2 * inner + i, 2 * outer + j);
-                of_stiffness * bending[at] + of_mass * mass[at] + weight[at]
+                of_stiffness * self.bending[at] + of_mass * self.mass[at] + self.weight[at]
             })
-        };
-        let load = |node: usize| {
-            Vector2::from_fn(|i, _| of_mass * moved[2 * node + i] + weighed[2 * node + i])
         };
         let inverse = |pivot: Matrix2<Complex64>| {
             let [a, b, c, d] = [pivot.m11, pivot.m12, pivot.m21, pivot.m22];
             Matrix2::new(d, -b, -c, a) * (a * d - b * c).inv()
         };
         // From the tip to the root: each node's inverse pivot and load, and its coupling to the node inward.
-        let (mut pivot, mut rest) = (inverse(block(last, last)), -load(last));
+        let last = self.moved.len() - 1;
+        let (mut pivot, mut rest) = (inverse(block(last, last)), loads(last));
         let mut nodes = Vec::with_capacity(last);
         for node in (1..last).rev() {
             let coupling = block(node, node + 1);
             nodes.push((pivot, rest, coupling));
-            rest = -load(node) - coupling * (pivot * rest);
-            pivot = inverse(block(node, node) - coupling * pivot * coupling.transpose());
+            let inward = coupling * pivot;
+            let own = loads(node);
+            rest = std::array::from_fn(|k| own[k] - inward * rest[k]);
+            pivot = inverse(block(node, node) - inward * coupling.transpose());
         }
-        let mut deflection = pivot * rest;
-        let mut effort = of_mass * inertia + held;
-        let mut tip = Complex64::from(rigid_tip);
-        for node in 1..=last {
-            if node > 1
-                && let Some((pivot, rest, coupling)) = nodes.pop()
-            {
-                deflection = pivot * (rest - coupling.transpose() * deflection);
-            }
-            effort += load(node).dot(&deflection);
-            if node == output {
-                tip += deflection[0];
-            }
+        let mut bent = vec![[Vector2::zeros(); N], rest.map(|rest| pivot * rest)];
+        while let Some((pivot, rest, coupling)) = nodes.pop() {
+            let inner = bent[bent.len() - 1];
+            let moved = |k: usize| pivot * (rest[k] - coupling.transpose() * inner[k]);
+            bent.push(std::array::from_fn(moved));
         }
-        [effort, tip]
-    })
+        bent
+    }
 }
 
 /// Weight of an upright link over the weight that buckles it with its joint held; 0 where gravity pulls outward.
@@ -357,7 +426,8 @@ fn pull(element: &Element, outward_m_s2: f64, outboard_kg: f64) -> Matrix4<f64> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::{Hub, Link, LinkParts, Payload, Segment, uniform};
+    use crate::beam::{ElementCount, MeshPlan, loaded_motion};
+    use crate::link::{Carriage, Hub, Link, LinkParts, LumpedMass, Payload, Segment, uniform};
 
     const CLAMPED: PoseHub = PoseHub::Spring(f64::INFINITY);
 
@@ -374,6 +444,51 @@ mod tests {
 
     fn first(mesh: &Mesh, outward_m_s2: f64, hub: PoseHub) -> f64 {
         pose_modes(mesh, outward_m_s2, hub, 1).unwrap()[0].0
+    }
+
+    /// With round-off that grows as the fourth power of the number of elements.
+    #[test]
+    fn without_weight_a_link_on_a_carriage_moves_as_by_the_recursion() {
+        for (elements, output_m, most) in
+            [(12, None, 1e-10), (12, Some(1.0), 1e-9), (128, Some(1.0), 1e-6)]
+        {
+            let link = Link::builder()
+                .segment(Segment::uniform(0.7, 14.0, 0.6))
+                .segment(Segment::uniform(0.8, 9.0, 0.4))
+                .mass(LumpedMass { at_m: 0.5, mass_kg: 0.1, inertia_kg_m2: 1e-3 })
+                .payload(Payload { mass_kg: 0.2, inertia_kg_m2: 2e-3, offset_m: 0.05 })
+                .carriage(Carriage { mass_kg: 0.8, viscous_friction_n_s_m: 0.0 });
+            let parts =
+                LinkParts { output_m, root_stiffness_n_m_rad: output_m.map(|_| 60.0), ..link };
+            let link = Link::new(parts).unwrap();
+            let whole = Some(ElementCount::Total(elements));
+            let plan = MeshPlan::new(&link, &[None, None], whole, 1e-6).unwrap();
+            let mesh = Mesh::new(&link, &plan).unwrap();
+            let wave = |k: usize| Complex64::cis(1.3 * k as f64);
+            let nodal = (0..mesh.nodes_m().len()).map(|k| [wave(k), wave(3 * k + 1) * 0.05]);
+            let loads = Loads {
+                axis_m_s2: Complex64::new(3.0, 0.4),
+                chord_rad_s2: Complex64::new(-1.0, 0.7),
+                nodal: nodal.collect(),
+            };
+            let weighed = WeighedLink::of(&mesh, 0.0).unwrap();
+            for omega in [0.0, 5.0, 80.0, 700.0] {
+                let factors = [Complex64::ONE, Complex64::new(1.0, 0.04)];
+                let lambda = factors[1].inv() * (omega * omega);
+                let exact = loaded_motion(&mesh, lambda, factors, &loads);
+                let found = weighed.loaded_motion(omega, factors, &loads);
+                let off = (found.torque_n_m / exact.torque_n_m - 1.0).norm();
+                assert!(off < most, "{off:e} at {omega}, {elements} elements");
+                let size = |all: &[[Complex64; 2]]| {
+                    all.as_flattened().iter().map(|own| own.norm()).fold(0.0, f64::max)
+                };
+                let pairs = found.deflections.iter().zip(&exact.deflections);
+                let apart: Vec<_> =
+                    pairs.map(|(own, exact)| [0, 1].map(|part| own[part] - exact[part])).collect();
+                let off = size(&apart) / size(&exact.deflections);
+                assert!(off < most, "{off:e} at {omega}, {elements} elements");
+            }
+        }
     }
 
     /// Reference: A. G. Greenhill, Proc. Cambridge Phil. Soc. 4, 1881: m̄ g L³/EI = 7.83735.

@@ -319,13 +319,14 @@ mod tests {
             payload: Payload { mass_kg: 0.3, inertia_kg_m2: 2e-3, offset_m: 0.05 },
             ..uniform()
         };
-        for damping in [
-            Damping::None,
-            Damping::Hysteretic { ratio: 0.03 },
-            Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 2e-3 },
-            Damping::Modal { ratios: vec![0.05, 0.01] },
+        for (damping, output_m) in [
+            (Damping::None, None),
+            (Damping::Hysteretic { ratio: 0.03 }, None),
+            (Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 2e-3 }, None),
+            (Damping::Modal { ratios: vec![0.05, 0.01] }, None),
+            (Damping::Hysteretic { ratio: 0.03 }, Some(0.6)),
         ] {
-            let link = Link::new(LinkParts { damping, ..parts.clone() }).unwrap();
+            let link = Link::new(LinkParts { damping, output_m, ..parts.clone() }).unwrap();
             let mesh = Mesh::on(&link, 6);
             let model = model_of(&link, mesh, KeptModes::All).unwrap();
             let dense = Dense::assemble(model.on_mesh().clone()).unwrap();

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::link_on_mesh::{LinkOnMesh, Model, ModelError};
 use crate::beam::TipTransfer;
-use crate::modal::pose_transfer;
+use crate::modal::WeighedLink;
 use crate::numeric::{magnitude, relative_change};
 use crate::system::end_if_stopped;
 
@@ -107,12 +107,12 @@ pub fn responses_with_weight(
 
 fn rows_with_weight(of: &LinkOnMesh, frequencies_hz: &[f64]) -> Option<Vec<FrequencyResponse>> {
     let outward_m_s2 = of.link().outward_m_s2().filter(|_| !of.law().is_modal())?;
-    let at = pose_transfer(of.mesh(), outward_m_s2)?;
+    let weighed = WeighedLink::of(of.mesh(), outward_m_s2)?;
     let friction = of.link().joint().friction();
     let row = |frequency_hz: &f64| {
         end_if_stopped();
         let omega = frequency_hz * TAU;
-        let [effort, tip] = at(omega, of.law().factors(omega));
+        let [effort, tip] = weighed.transfer(omega, of.law().factors(omega));
         let effort = effort + Complex64::new(0.0, omega * friction);
         FrequencyResponse {
             frequency_hz: *frequency_hz,

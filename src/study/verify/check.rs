@@ -184,12 +184,6 @@ impl Kind {
         bound: |_| STRAYS,
         hint: "use analysis.second_order = \"full\", a slower motion or a stiffer link",
     };
-    /// All terms are estimated, where there is no order of terms to choose.
-    pub(super) const MODEL_ESTIMATED: Self = Self {
-        what: "tip with all terms, estimated",
-        hint: "use a slower motion or a stiffer link",
-        ..Self::MODEL
-    };
     /// Check of a limit by its key in the link file.
     pub(super) const LIMIT: Self = Self {
         name: "limit",

@@ -71,9 +71,7 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     };
     checks.extend([model, energy]);
     let strays = answer.solution.tip_model_error;
-    let is_estimated = answer.solution.links[0].link().linear_part().is_some();
-    let model = if is_estimated { Kind::MODEL_ESTIMATED } else { Kind::MODEL };
-    checks.extend(strays.map(|strays| model.measured(answer, strays)));
+    checks.extend(strays.map(|strays| Kind::MODEL.measured(answer, strays)));
     checks.extend(answer.reached().iter().map(|reached| within(answer, reached)));
     for check in &mut checks {
         word(check, &answer.solution.arm);

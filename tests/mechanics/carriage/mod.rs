@@ -615,7 +615,12 @@ fn weight_is_that_of_a_hub_with_a_very_long_radius() {
 /// ```text
 /// w'''' + γ (ξ w')' − k w = 0,    γ = m̄gL³/EI,   k = m̄ω²L⁴/EI
 /// ```
-fn of_series(gamma: f64, k: f64, [a0, a1]: [f64; 2]) -> [f64; 4] {
+fn of_series(gamma: f64, k: f64, start: [f64; 2]) -> [f64; 4] {
+    series_at(1.0, gamma, k, start)
+}
+
+/// [`of_series`] at another distance ξ from the free end.
+fn series_at(xi: f64, gamma: f64, k: f64, [a0, a1]: [f64; 2]) -> [f64; 4] {
     let mut a = vec![a0, a1, 0.0, 0.0];
     for n in 0..80_u32 {
         let (at, number) = (n as usize, f64::from(n));
@@ -627,15 +632,16 @@ fn of_series(gamma: f64, k: f64, [a0, a1]: [f64; 2]) -> [f64; 4] {
     for (n, a) in (0..84_u32).zip(&a) {
         let mut factor = 1.0;
         for (order, derivative) in (0..4_u32).zip(&mut derivatives) {
-            *derivative += factor * a;
+            // ξ⁰ has no derivatives.
+            if order <= n {
+                *derivative += factor * a * xi.powi((n - order).cast_signed());
+            }
             factor *= f64::from(n) - f64::from(order);
         }
     }
     derivatives
 }
 
-/// Frequencies of the beam with its root held, and on a carriage without mass; zeros of force → tip; and the weight that
-/// buckles it.
 /// Slope of the carriage below a beam of [`of_series`] on a spring of `EI/(sL)`, and force on its root: `w' + s w''` and
 /// `w''' + γ w'` at ξ = 1. A clamped root has s = 0.
 fn at_spring(softness: f64, gamma: f64, [_, slope, bend, third]: [f64; 4]) -> [f64; 2] {
@@ -655,6 +661,8 @@ fn an_upright_beam_has_the_frequencies_zeros_and_buckling_weight_of_its_power_se
     }
 }
 
+/// Frequencies of the beam with its root held, and on a carriage without mass; zeros of force → tip; and the weight that
+/// buckles it.
 fn upright(softness: f64) {
     let mesh = mesh_of(&on_spring(uniform(0.0), softness).build().unwrap(), 40);
     let unit = unit_per_s();
@@ -702,6 +710,33 @@ fn upright(softness: f64) {
             // A beam that stays bent has the frequency 0.
             let [more, less] = [1.0 - 1e-5, 1.0 + 1e-5].map(|own| held(gamma / (share * own), 0.0));
             assert!(more * less < 0.0, "{share} of γ = {gamma} on a spring of {softness}");
+        }
+    }
+}
+
+/// No force moves the output where the sum of both series is 0 there and at the slope of the root.
+#[test]
+fn zeros_of_a_station_on_an_upright_beam_are_those_of_its_power_series() {
+    for (at_m, softness) in [(1.0, 0.0), (1.3, 0.4)] {
+        let mesh = mesh_of(&on_spring(uniform(0.0).output_m(at_m), softness).build().unwrap(), 60);
+        let unit = unit_per_s();
+        for gamma in [2.0, -5.0] {
+            let blocked = |k: f64| {
+                let [a, b] = [[1.0, 0.0], [0.0, 1.0]].map(|start| {
+                    let [slope, _] = at_spring(softness, gamma, of_series(gamma, k, start));
+                    [series_at(1.0 - at_m / 1.5, gamma, k, start)[0], slope]
+                });
+                a[0] * b[1] - b[0] * a[1]
+            };
+            // Ten times the error of the elements.
+            let is_root = |k: f64| blocked(k * (1.0 - 1e-5)) * blocked(k * (1.0 + 1e-5)) < 0.0;
+            let outward_m_s2 = -gamma * 5.0 / (0.8 * 1.5_f64.powi(3));
+            let [zeros, at_frequencies] = pose_zeros(&mesh, outward_m_s2, 2, 500.0).unwrap();
+            assert!(zeros.len() == 2 && !at_frequencies.is_empty(), "{zeros:?} {at_frequencies:?}");
+            let squares = zeros.iter().map(|zero| -zero * zero);
+            for square in squares.chain(at_frequencies.iter().map(|omega| omega * omega)) {
+                assert!(is_root(square / unit.powi(2)), "{at_m} m, γ = {gamma}: {square}");
+            }
         }
     }
 }
@@ -813,21 +848,27 @@ fn times(solution: &Solution) -> Vec<f64> {
     (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect()
 }
 
-/// The slim mast upright and lying, its tip deflected by a tenth of the length.
+/// The slim mast upright and lying, its tip deflected by a tenth of the length; the output is the tip or a station.
 #[test]
-fn the_force_with_all_terms_brings_the_tip_along_the_motion_and_keeps_the_energy() {
+fn the_force_with_all_terms_brings_the_output_along_the_motion_and_keeps_the_energy() {
     let motion = sine(0.6, 1.3, 1300);
-    for (direction_rad, gravity_m_s2, spring_n_m_rad) in
-        [(TAU / 4.0, 9.81, None), (0.3, 3.0, None), (0.3, 3.0, Some(60.0))]
-    {
+    for (direction_rad, gravity_m_s2, spring_n_m_rad, output_m) in [
+        (TAU / 4.0, 9.81, None, None),
+        (0.3, 3.0, None, None),
+        (0.3, 3.0, Some(60.0), None),
+        (TAU / 4.0, 9.81, None, Some(1.1)),
+        (0.3, 3.0, Some(60.0), Some(1.15)),
+    ] {
         let parts = Link::builder();
-        let parts = LinkParts { root_stiffness_n_m_rad: spring_n_m_rad, ..parts };
+        let parts = LinkParts { root_stiffness_n_m_rad: spring_n_m_rad, output_m, ..parts };
+        // The part beyond a station swings.
+        let beta_s = if output_m.is_some() { 4e-3 } else { 1e-3 };
         let link = parts
             .segment(Segment::uniform(1.2, 12.0, 0.5))
             .mass(LumpedMass { at_m: 0.0, mass_kg: 0.0, inertia_kg_m2: 5e-3 })
             .carriage(Carriage { mass_kg: 2.0, viscous_friction_n_s_m: 0.5 })
             .payload_kg(0.4)
-            .damping(Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1e-3 })
+            .damping(Damping::Rayleigh { alpha_per_s: 0.0, beta_s })
             .gravity([0.0, -gravity_m_s2], direction_rad)
             .build()
             .unwrap();
@@ -842,7 +883,7 @@ fn the_force_with_all_terms_brings_the_tip_along_the_motion_and_keeps_the_energy
         let bends = peak(&played.tip_deflection_m());
         assert!(bends > 0.08, "{bends}");
         let off = apart(&played.tip[0].displacement_m, &solution.tip[0].displacement_m) / 0.6;
-        assert!(off < 1e-5, "{direction_rad} rad: the tip is {off:e} of its travel off");
+        assert!(off < 1e-5, "{direction_rad} rad: the output is {off:e} of its travel off");
         let off = apart(&played.hub().angle_rad, &solution.hub().angle_rad) / 0.6;
         assert!(off < 1e-5, "{direction_rad} rad: the carriage is {off:e} off");
         // Weight across the link holds the carriage, too.

@@ -200,8 +200,7 @@ impl Solver<'_> {
             ];
             let mut of_joint: Vec<Warning> = of_errors.into_iter().flatten().collect();
             let model = solved.answer.models.get(joint);
-            of_joint
-                .extend(model.iter().flat_map(|own| blocked_tip(own.mesh(), spectrum, tolerance)));
+            of_joint.extend(model.iter().flat_map(|own| blocked_tip(&***own, spectrum, tolerance)));
             of_joint.extend(unsettled.get(joint).copied().flatten());
             if let Some(model) = model {
                 let mut torque = solved.answer.torque_amplitudes_n_m(joint);

@@ -1,6 +1,6 @@
 //! The inversion of links on their chords: meshes, period, window and errors, up to the solution of an arm.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use super::answer::{ArmAnswer, curves_at_rest};
@@ -18,7 +18,7 @@ use crate::inverse::{
     Solution,
 };
 use crate::link::Arm;
-use crate::modal::{real_frequency_zeros, torque_zeros};
+use crate::modal::{reported_blocked, torque_zeros};
 use crate::model::{Model, check_size, model_of};
 use crate::motion::{ArmPath, Cutoff, Motion};
 use crate::numeric::{Size, TimeGrid};
@@ -64,7 +64,7 @@ pub(in super::super) fn invert_arm(
         found => return found,
     };
     // Second-order terms grow where no torque moves a link's tip.
-    let refused = || blocked(&models, &solver.problem.cutoffs).unwrap_or(refusal);
+    let refused = || blocked(&models, &solver.problem).unwrap_or(refusal);
     if analysis.second_order().is_some() {
         return Err(refused());
     }
@@ -80,13 +80,19 @@ pub(in super::super) fn invert_arm(
     }
 }
 
-/// Finds the first link whose tip no torque moves at some frequency within the path's band.
-fn blocked(models: &Models, cutoffs: &[Cutoff]) -> Option<InversionError> {
-    let ends = cutoffs.iter().filter(|own| !own.keeps_all()).map(Cutoff::end_rad_s);
-    let end_rad_s = ends.reduce(f64::max)?;
+/// Finds the first link whose output no torque moves at some frequency within the motion's band.
+pub(in super::super) fn blocked(
+    models: &Models,
+    problem: &ArmProblem<'_>,
+) -> Option<InversionError> {
+    let nyquist_rad_s = PI / problem.wanted.grid().step_s;
+    let end_rad_s = problem.cutoffs.iter().map(Cutoff::end_rad_s).reduce(f64::max)?;
+    let end_rad_s = end_rad_s.min(nyquist_rad_s);
     models.iter().enumerate().find_map(|(link, model)| {
-        let zero = real_frequency_zeros(model.mesh(), end_rad_s).first().copied()?;
-        Some(InversionError::Blocked { link, frequency_hz: zero / TAU })
+        let outward_m_s2 = model.link().outward_m_s2();
+        let zeros = reported_blocked(model.mesh(), outward_m_s2, end_rad_s);
+        let link = (models.len() > 1).then_some(link);
+        Some(InversionError::Blocked { link, frequency_hz: zeros.first()? / TAU })
     })
 }
 
@@ -137,7 +143,16 @@ impl Solver<'_> {
         first_zero_per_s: Option<f64>,
     ) -> Result<Measured, InversionError> {
         let problem = &self.problem;
-        let (solved, rests, left) = self.decayed(self.on_mesh(models)?)?;
+        let (mut models, mut len) = (models, problem.shortest_len()?);
+        let (solved, rests, left) = loop {
+            let decayed = self.decayed(self.on_mesh(models, len)?)?;
+            let ArmAnswer { path, models: answering, .. } = &decayed.0.answer;
+            // A link that rings on gathers its errors over the whole period.
+            if path.len() == len || blocked(answering, problem).is_none() {
+                break decayed;
+            }
+            (models, len) = (answering.clone(), path.len());
+        };
         let (window, cut) = self.window(&solved, rests.as_ref());
         let step = self.step_errors(&solved, first_zero_per_s)?;
         let input = self.input_errors(&solved)?;
@@ -230,8 +245,8 @@ impl Solver<'_> {
         Ok(solution)
     }
 
-    /// The answer over the shortest period on meshes fine enough for the plans.
-    fn on_mesh(&self, coarsest: Models) -> Result<Solved, InversionError> {
+    /// The answer over a period on meshes fine enough for the plans.
+    fn on_mesh(&self, coarsest: Models, len: usize) -> Result<Solved, InversionError> {
         let problem = &self.problem;
         let is_automatic = self.plans.iter().any(MeshPlan::is_automatic);
         let tolerance = MeshPlan::smallest_tolerance(self.plans);
@@ -240,7 +255,7 @@ impl Solver<'_> {
         let probes: Vec<Probes> = probes.collect();
         let mut nodes: Vec<Vec<usize>> = probes.iter().map(|own| own.nodes.clone()).collect();
         let mut models = coarsest;
-        let path = problem.period(problem.shortest_len()?)?;
+        let path = problem.period(len)?;
         let mut known: Option<ArmAnswer> = None;
         loop {
             let (finer, finer_nodes) = refined(&models, &nodes)?;
