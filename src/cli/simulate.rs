@@ -212,9 +212,7 @@ impl Simulate {
                 let message = format!("{place}{steps}, but must be at most {limit} steps");
                 return Failure::new(Exit::InputRefused, &message, error.hint());
             }
-            SimulationError::NoStartAngle | SimulationError::OnCarriage => {
-                (Exit::InputRefused, String::new())
-            }
+            SimulationError::NoStartAngle => (Exit::InputRefused, String::new()),
             SimulationError::State { .. } => {
                 (Exit::InputRefused, state_file.as_ref().map(shown).unwrap_or_default())
             }
@@ -253,11 +251,14 @@ impl Simulate {
     fn write(&self, inputs: &Inputs, run: &PlayedRun<'_>) -> Result<Summary, Failure> {
         let Playing { file, target_file, measured, reference_file, state_file, .. } =
             &inputs.playing;
+        let carriage_files = &inputs.playing.carriage_files;
         let files = SimulateFiles {
             input: file,
+            carriage: carriage_files[0].as_ref(),
             target: target_file.as_ref(),
             measured: measured.as_ref().map(|(file, _)| file),
             reference: reference_file.as_ref(),
+            carriage_reference: carriage_files[1].as_ref(),
             state: state_file.as_ref(),
         };
         let kind = (run.play.input.is_torque(), run.arm.joint().slides());
