@@ -447,7 +447,7 @@ fn with_carriage<T>(
         let hint = format!("take both of one run of solve, or add the column {column} to {shown}");
         return Err(Failure::new(Exit::InputRefused, &message, Some(&hint)));
     }
-    console::note(&format!("{}: has the column {column} of the carriage", file.shown));
+    console::note(&format!("{}: gives the column {column} beside {shown}", file.shown));
     histories.extend(own);
     Ok(Some(file))
 }
