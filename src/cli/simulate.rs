@@ -64,7 +64,7 @@ One of the files may be `-`, standard input.";
 /// summary.json, with --target tip_error.csv, too. Under gravity most poses fall without --feedback.
 ///
 /// On a carriage TORQUE is a force, as force.csv of solve, or with --input carriage the motion of the carriage.
-/// Force and motion are in force.csv and carriage.csv.
+/// Force and motion are in force.csv and carriage.csv. For an arm on a carriage they come beside those of its joints.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Simulate {

@@ -97,7 +97,8 @@ impl HoldArgs {
 pub(crate) struct PlayArgs {
     /// Torque at the hub (CSV): `time` and `torque`; with --input hub-angle `time` and `hub_angle`. Of an arm `time` and
     /// `torque1`, `torque2`, …; with --input hub-angle `time` and `joint1`, `joint2`, … On a carriage `time` and
-    /// `force`; with --input carriage `time` and `carriage`.
+    /// `force`; with --input carriage `time` and `carriage`. Of an arm on a carriage all of these, or those of the joints with
+    /// force.csv or carriage.csv beside the file.
     #[arg(value_name = "TORQUE")]
     pub(crate) file: PathBuf,
 
@@ -148,14 +149,14 @@ pub(crate) struct PlayArgs {
     pub(crate) save_state: Option<PathBuf>,
 
     /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad, at a carriage in N/m and N s/m; for an arm
-    /// one pair for all joints, or a pair for each.
+    /// one pair for all joints, or a pair for each, its carriage last.
     #[arg(long, value_name = "KP,KD", requires = "reference")]
     #[arg(value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<Gains>,
 
     /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, or the joints of an arm, as its
-    /// `joint_angles.csv`, or the position of the carriage, as `carriage.csv`, at the times of TORQUE. The link starts at
-    /// its first angle or position.
+    /// `joint_angles.csv`, or the position of the carriage, as `carriage.csv`, at the times of TORQUE; for an arm on a carriage
+    /// both in one table, or carriage.csv beside the file. The link starts at its first angle or position.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
 
