@@ -120,7 +120,7 @@ class _TrajectoryOptions(TypedDict, total=False):
     center: tuple[float, float]
     angle: float | str
     angles: Sequence[float]
-    carriage: str | float
+    carriage: float | str | tuple[float, float]
 
 @final
 class Link:

@@ -94,36 +94,42 @@ def test_an_arm_on_a_carriage_is_played() -> None:
     path = flexlink.trajectory(
         "septic",
         path="line",
-        start="0.5,-0.9",
-        to="1.9,-0.6",
-        carriage="0,0.8",
+        start=(0.5, -0.9),
+        to=(1.9, -0.6),
+        carriage=(0.0, 0.8),
         duration=1.5,
         step=0.005,
     )
     assert path["carriage"][-1] == pytest.approx(0.8, abs=1e-15)
     solution = flexlink.solve(arm, **path)
-    time, efforts = solution.time, {"torque": solution.torque, "force": solution.force}
-    joints = np.column_stack([solution.joint_angle, solution.carriage])
-    rates = np.column_stack([solution.joint_rate, solution.carriage_velocity])
-    gains = [(50.0, 1.0), (50.0, 1.0), (500.0, 50.0)]
-    around = {"feedback": gains, "reference": joints, "reference_rate": rates}
-    moved = {"hub_angle": solution.joint_angle, "carriage": solution.carriage}
+    time, torque, force = solution.time, solution.torque, solution.force
+    held = flexlink.simulate(
+        arm,
+        time,
+        torque=torque,
+        force=force,
+        feedback=[(50.0, 1.0), (50.0, 1.0), (500.0, 50.0)],
+        reference=np.column_stack([solution.joint_angle, solution.carriage]),
+        reference_rate=np.column_stack([solution.joint_rate, solution.carriage_velocity]),
+    )
+    angles, places = solution.joint_angle, solution.carriage
     for played in (
-        flexlink.simulate(arm, time, **efforts, **around),
-        flexlink.simulate(arm, time, **efforts, target=solution.tip),
-        flexlink.simulate(arm, time, **moved),
+        held,
+        flexlink.simulate(arm, time, torque=torque, force=force, target=solution.tip),
+        flexlink.simulate(arm, time, hub_angle=angles, carriage=places),
     ):
         assert abs(played.tip - solution.tip).max() < 1e-5
         assert abs(played.carriage - solution.carriage).max() < 1e-5
         assert played.torque.shape == (time.size, 2)
         assert abs(played.force - solution.force).max() < 1e-3 * abs(solution.force).max()
-    short = {name: effort[:20] for name, effort in efforts.items()}
-    far = flexlink.simulate(arm, time[:20], **short, at=[-1.0, 0.5], carriage_at=2.0)
+    far = flexlink.simulate(
+        arm, time[:20], torque=torque[:20], force=force[:20], at=[-1.0, 0.5], carriage_at=2.0
+    )
     assert far.carriage[0] == pytest.approx(2.0, abs=1e-12)
     with pytest.raises(flexlink.FlexlinkError, match="one of torque and force"):
-        flexlink.simulate(arm, time, torque=solution.torque, at=[-1.0, 0.5])
+        flexlink.simulate(arm, time, torque=torque, at=[-1.0, 0.5])
     with pytest.raises(flexlink.FlexlinkError, match="carriage_at must stand beside neither"):
-        flexlink.simulate(arm, time, **moved, carriage_at=1.0)
+        flexlink.simulate(arm, time, hub_angle=angles, carriage=places, carriage_at=1.0)
 
 
 def test_a_standing_sheet_is_played_with_its_weight() -> None:
