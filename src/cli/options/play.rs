@@ -155,8 +155,8 @@ pub(crate) struct PlayArgs {
     feedback: Option<Gains>,
 
     /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, or the joints of an arm, as its
-    /// `joint_angles.csv`, or the position of the carriage, as `carriage.csv`, at the times of TORQUE; for an arm on a carriage
-    /// both in one table, or carriage.csv beside the file. The link starts at its first angle or position.
+    /// `joint_angles.csv`, or the position of the carriage, as `carriage.csv`, at the times of TORQUE. For an arm on a carriage
+    /// both are in one table, or carriage.csv is beside the file. The link starts at its first angle or position.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
 

@@ -202,7 +202,10 @@ fn feedback_line(arm: &Arm, play: &Play<'_>) -> String {
     });
     let mut gains: Vec<String> = gains.collect();
     gains.dedup();
-    if gains.is_empty() { String::new() } else { gains.join("; ") + " around the reference" }
+    if gains.is_empty() {
+        return String::new();
+    }
+    gains.join(&format!(";\n{:LABEL$}", "")) + " around the reference"
 }
 
 /// Gravity, and the torque that holds a link with weight before it moves.
