@@ -96,16 +96,9 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
         take(keywords, name)?.map(read).transpose()
     };
     let joints = link.specification.arm.joints().count();
-    // The carriage of an arm comes last.
-    let of_joints = |name: &str, of_carriage: &str| -> Raises<Option<Vec<Vec<f64>>>> {
-        let (own, last) =
-            (of(name, links)?, if joints > links { of(of_carriage, 1)? } else { None });
-        if joints > links && own.is_some() != last.is_some() {
-            let message =
-                format!("one of {name} and {of_carriage}, but an arm on a carriage needs both");
-            return Err(usage(&message, None).into());
-        }
-        Ok(own.map(|own| [own, last.unwrap_or_default()].concat()))
+    let of_joints = |name, of_carriage| match of(name, links)? {
+        own if joints == links => Ok(own),
+        own => both([name, of_carriage], own, of(of_carriage, 1)?),
     };
     let number = |name: &str| take(keywords, name)?.map(|value| value.extract()).transpose();
     let names = if link.kind().slides && links == 1 {
@@ -191,6 +184,20 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
         is_large,
         is_periodic,
     })
+}
+
+/// Histories of the joints of an arm's links, and of its carriage last; both or none.
+fn both(
+    [name, of_carriage]: [&str; 2],
+    own: Option<Vec<Vec<f64>>>,
+    last: Option<Vec<Vec<f64>>>,
+) -> Raises<Option<Vec<Vec<f64>>>> {
+    if own.is_some() != last.is_some() {
+        let message =
+            format!("one of {name} and {of_carriage}, but an arm on a carriage needs both");
+        return Err(usage(&message, None).into());
+    }
+    Ok(own.zip(last).map(|(own, last)| [own, last].concat()))
 }
 
 /// Refuses a keyword outside the known ones, or one for other joints.

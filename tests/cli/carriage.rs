@@ -990,7 +990,7 @@ fn a_mast_beyond_its_buckling_weight_falls_with_a_word() {
     assert!(told.contains("set start_angle") && !told.contains("as angles"), "{told}");
 }
 
-/// x in m of the nodes of a link over time, from nodal_positions.csv.
+/// x in m of the nodes of a link over time, from `nodal_positions.csv`.
 fn along_x(bench: &Bench, link: usize) -> Vec<Vec<f64>> {
     let table = bench.table("played/nodal_positions.csv");
     let first = format!("x{link}_");
@@ -1076,7 +1076,8 @@ fn an_arm_on_a_very_heavy_carriage_moves_as_on_a_fixed_axis() {
     let with_column = |file: &str, name: &str, most: usize| -> String {
         let table = bench.read(file);
         let rows = table.lines().take(most + 1).enumerate();
-        rows.map(|(k, row)| format!("{row},{}\n", if k == 0 { name } else { "0" })).collect()
+        let rows = rows.map(|(k, row)| format!("{row},{}\n", if k == 0 { name } else { "0" }));
+        rows.collect::<Vec<_>>().concat()
     };
     bench.write("all.csv", &with_column("fixed/torques.csv", "force_n", usize::MAX - 1));
     bench.write("short.csv", &with_column("fixed/torques.csv", "force_n", 20));
