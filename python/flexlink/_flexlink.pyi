@@ -90,6 +90,7 @@ class _PlayOptions(TypedDict, total=False):
     initial_tip: float | None
     periodic: bool
     at: _Column | None
+    carriage_at: float | None
     target: Motion | _Column | None
     state: Simulation | _Path | None
 
@@ -119,6 +120,7 @@ class _TrajectoryOptions(TypedDict, total=False):
     center: tuple[float, float]
     angle: float | str
     angles: Sequence[float]
+    carriage: float | str | tuple[float, float]
 
 @final
 class Link:

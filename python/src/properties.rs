@@ -24,6 +24,8 @@ pub(crate) enum Links {
     Sliding,
     /// A link or an arm on a carriage.
     Carriage,
+    /// An arm on a carriage.
+    CarriedArm,
 }
 
 impl Links {
@@ -37,6 +39,7 @@ impl Links {
             Self::Turning => links > 1 || !slides,
             Self::Sliding => links == 1 && slides,
             Self::Carriage => slides,
+            Self::CarriedArm => links > 1 && slides,
         }
     }
 
@@ -44,6 +47,7 @@ impl Links {
     pub(crate) fn refusal(self, name: &str, joints: Joints) -> String {
         match self {
             Self::Several => format!("{name} is for an arm, and this is one link"),
+            Self::CarriedArm => format!("{name} is for an arm on a carriage"),
             Self::Hub | Self::Turning if joints.slides && joints.links == 1 => {
                 format!("{name} is for a hub, and this link is on a carriage")
             }

@@ -21,12 +21,13 @@ use crate::simulation::Simulation;
 use crate::threads::until_pressed;
 
 /// The keywords of one link and of arms, with blanks between.
-const KEYWORDS: [(Links, &str); 5] = [
+const KEYWORDS: [(Links, &str); 6] = [
     (Links::Turning, "torque hub_angle hub_rate"),
     (Links::Carriage, "force carriage carriage_velocity"),
     (Links::Any, "hold until periodic feedback reference reference_rate target state"),
     (Links::One, "initial_tip"),
     (Links::Several, "at"),
+    (Links::CarriedArm, "carriage_at"),
 ];
 
 /// The refusal of gains that are no numbers.
@@ -52,7 +53,9 @@ const HALF_A_FEEDBACK: &str =
 /// those of its solution.
 /// ``feedback`` is a pair for all joints or a list of pairs; ``target`` has x and y of the tip in m at each time. The arm
 /// starts at rest where the reference does, or with its chords in the directions ``at`` in rad, or where the target does,
-/// or from a ``state``. Ctrl-C ends it.
+/// or from a ``state``. An arm on a carriage takes ``force`` beside ``torque``, or ``carriage`` beside ``hub_angle``;
+/// ``reference`` and ``reference_rate`` have a last column for the carriage. It starts with its carriage there, or at
+/// ``carriage_at`` in m, 0 by default. Ctrl-C ends it.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(
@@ -85,12 +88,17 @@ pub(crate) fn simulate(
 fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> {
     let links = link.links();
     refuse_others(keywords, link.kind())?;
-    let of_joints = |name: &str| {
-        let read = |values| match links {
+    let of = |name: &str, joints| {
+        let read = |values| match joints {
             1 => Ok(vec![column(name, &values)?]),
-            _ => columns(name, &values, (time_s.len(), links)),
+            _ => columns(name, &values, (time_s.len(), joints)),
         };
         take(keywords, name)?.map(read).transpose()
+    };
+    let joints = link.specification.arm.joints().count();
+    let of_joints = |name, of_carriage| match of(name, links)? {
+        own if joints == links => Ok(own),
+        own => both([name, of_carriage], own, of(of_carriage, 1)?),
     };
     let number = |name: &str| take(keywords, name)?.map(|value| value.extract()).transpose();
     let names = if link.kind().slides && links == 1 {
@@ -98,13 +106,17 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
     } else {
         ["torque", "hub_angle", "hub_rate"]
     };
-    let input = [of_joints(names[0])?, of_joints(names[1])?, of_joints(names[2])?];
+    let input = [
+        of_joints(names[0], "force")?,
+        of_joints(names[1], "carriage")?,
+        of_joints(names[2], "carriage_velocity")?,
+    ];
     let moving = moving((links, names), time_s, input)?;
     let hold = take(keywords, "hold")?.map(|value| interpolation(&value)).transpose()?;
     let gains = take(keywords, "feedback")?.map(|value| value.extract::<OneOrEach<[f64; 2]>>());
     let gains = gains.transpose().map_err(|_| usage(&NO_GAINS, None))?;
     let gains = gains.map(|gains| gains.list().into_iter().map(Into::into).collect::<Vec<_>>());
-    let references = match (&gains, of_joints("reference")?, of_joints("reference_rate")?) {
+    let references = match (&gains, of("reference", joints)?, of("reference_rate", joints)?) {
         (None, None, None) => Vec::new(),
         (Some(_), Some(angles), rates) => hubs(time_s, angles, rates)?,
         _ => return Err(usage(&HALF_A_FEEDBACK, None).into()),
@@ -128,10 +140,17 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
     let is_periodic = take(keywords, "periodic")?.map(|value| value.is_truthy()).transpose()?;
     let is_periodic = is_periodic.unwrap_or_default();
     let (tip_m, until_s) = (number("initial_tip")?, number("until")?);
+    let carriage_m = number("carriage_at")?;
     let at = take(keywords, "at")?.map(|value| column("at", &value)).transpose()?;
     let state = take(keywords, "state")?.map(|value| state(&value, links)).transpose()?;
     let starts =
         [("periodic", is_periodic), ("initial_tip", tip_m.is_some()), ("at", at.is_some())];
+    if carriage_m.is_some()
+        && (state.is_some() || !feedback.is_empty() || matches!(moving, Moving::Angles(_)))
+    {
+        let message = "carriage_at must stand beside neither state, feedback nor hub_angle";
+        return Err(usage(&message, None).into());
+    }
     if let Some((name, _)) = starts.iter().find(|(_, is_there)| *is_there && state.is_some()) {
         return Err(usage(&format!("{name} must not stand beside state"), None).into());
     }
@@ -158,12 +177,27 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
         until_s,
         feedback,
         start,
+        carriage_m: carriage_m.unwrap_or_default(),
         state,
         target,
         start_angle_rad,
         is_large,
         is_periodic,
     })
+}
+
+/// Histories of the joints of an arm's links, and of its carriage last; both or none.
+fn both(
+    [name, of_carriage]: [&str; 2],
+    own: Option<Vec<Vec<f64>>>,
+    last: Option<Vec<Vec<f64>>>,
+) -> Raises<Option<Vec<Vec<f64>>>> {
+    if own.is_some() != last.is_some() {
+        let message =
+            format!("one of {name} and {of_carriage}, but an arm on a carriage needs both");
+        return Err(usage(&message, None).into());
+    }
+    Ok(own.zip(last).map(|(own, last)| [own, last].concat()))
 }
 
 /// Refuses a keyword outside the known ones, or one for other joints.
@@ -246,7 +280,7 @@ fn tip_places(target: &Any<'_>, grid: TimeGrid) -> Raises<TipPlaces> {
 /// `save_state`.
 fn state(state: &Any<'_>, links: usize) -> Raises<State> {
     if let Ok(simulation) = state.cast::<Simulation>()
-        && simulation.get().played().joints.len() == links
+        && simulation.get().played().links.len() == links
     {
         return Ok(simulation.get().played().state());
     }

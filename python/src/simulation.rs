@@ -71,9 +71,14 @@ impl Simulation {
         self.with(|run| run.write(inputs, &outputs, stage)).map(drop)
     }
 
-    /// A history of each joint.
+    /// A history of the joint of each link.
     fn joints(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.played().joints.iter().map(of))
+        slices(self.played().joints.iter().map(of).take(self.links()))
+    }
+
+    /// A history of the carriage, the joint of one link or the last of an arm.
+    fn carriage(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
+        slices(self.played().joints.last().map(of).into_iter())
     }
 
     /// The play of links that are elasticas.
@@ -94,16 +99,17 @@ impl Simulation {
 impl Properties for Simulation {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
         ("time", Computed(|own| times(&own.played().grid))),
-        ("torque force", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
-        ("hub_angle joint_angle carriage", Stored(|own| own.joints(|joint| &joint.angle_rad))),
+        ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
+        ("force", Stored(|own| own.carriage(|joint| &joint.torque_n_m))),
+        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
+        ("carriage", Stored(|own| own.carriage(|joint| &joint.angle_rad))),
+        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
+        ("carriage_velocity", Stored(|own| own.carriage(|joint| &joint.rate_rad_s))),
         (
-            "hub_rate joint_rate carriage_velocity",
-            Stored(|own| own.joints(|joint| &joint.rate_rad_s)),
-        ),
-        (
-            "hub_acceleration joint_acceleration carriage_acceleration",
+            "hub_acceleration joint_acceleration",
             Stored(|own| own.joints(|joint| &joint.acceleration_rad_s2)),
         ),
+        ("carriage_acceleration", Stored(|own| own.carriage(|joint| &joint.acceleration_rad_s2))),
         ("chord_angle", Stored(|own| slices(own.bent().flat_map(|bent| &bent.chords_rad)))),
         ("tip_displacement", Stored(|own| vec![&own.played().tip[0].displacement_m])),
         ("tip_velocity", Stored(|own| vec![&own.played().tip[0].velocity_m_s])),

@@ -14,10 +14,10 @@ const REPEATED: [&str; 3] = ["via", "set", "fit_limit"];
 const RENAMED: [(&str, &str); 1] = [("from", "start")];
 
 /// The motion of a tip, or the path of an arm's tip, as a dictionary of the arrays that `solve` takes:
-/// ``time`` and ``acceleration``, or ``time``, ``x``, ``y``.
+/// ``time`` and ``acceleration``, or ``time``, ``x``, ``y``, and ``carriage`` for an arm on one.
 ///
 /// Keywords are the options of ``flexlink trajectory``: ``distance``, ``duration``, ``step``, ``rest_before``,
-/// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``,
+/// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``, ``carriage``,
 /// and ``start`` for ``--from``. A list of ``via``, ``set`` or ``fit_limit`` repeats the option.
 ///
 /// >>> import flexlink
@@ -64,5 +64,6 @@ fn columns(trajectory: &Trajectory) -> Fails<Vec<(String, Vec<f64>)>> {
     let path = trajectory.path_along(&curve, trajectory.arm()?.as_ref())?.0;
     let time = ("time".to_owned(), path.time_s);
     let columns = path.tip.into_iter().flatten().chain(path.angles.into_iter().flatten());
-    Ok([time].into_iter().chain(columns.map(|column| (column.name, column.values))).collect())
+    let columns = columns.chain(path.carriage).map(|column| (column.name, column.values));
+    Ok([time].into_iter().chain(columns).collect())
 }

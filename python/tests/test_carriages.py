@@ -89,6 +89,49 @@ def test_an_arm_on_a_carriage_has_its_force(tmp_path: Path) -> None:
     np.testing.assert_allclose(run.carriage, solution.carriage, atol=1e-8)
 
 
+def test_an_arm_on_a_carriage_is_played() -> None:
+    arm = flexlink.Arm.read(ROOT / "specs/carriages/gantry_arm.toml")
+    path = flexlink.trajectory(
+        "septic",
+        path="line",
+        start=(0.5, -0.9),
+        to=(1.9, -0.6),
+        carriage=(0.0, 0.8),
+        duration=1.5,
+        step=0.005,
+    )
+    assert path["carriage"][-1] == pytest.approx(0.8, abs=1e-15)
+    solution = flexlink.solve(arm, **path)
+    time, torque, force = solution.time, solution.torque, solution.force
+    held = flexlink.simulate(
+        arm,
+        time,
+        torque=torque,
+        force=force,
+        feedback=[(50.0, 1.0), (50.0, 1.0), (500.0, 50.0)],
+        reference=np.column_stack([solution.joint_angle, solution.carriage]),
+        reference_rate=np.column_stack([solution.joint_rate, solution.carriage_velocity]),
+    )
+    angles, places = solution.joint_angle, solution.carriage
+    for played in (
+        held,
+        flexlink.simulate(arm, time, torque=torque, force=force, target=solution.tip),
+        flexlink.simulate(arm, time, hub_angle=angles, carriage=places),
+    ):
+        assert abs(played.tip - solution.tip).max() < 1e-5
+        assert abs(played.carriage - solution.carriage).max() < 1e-5
+        assert played.torque.shape == (time.size, 2)
+        assert abs(played.force - solution.force).max() < 1e-3 * abs(solution.force).max()
+    far = flexlink.simulate(
+        arm, time[:20], torque=torque[:20], force=force[:20], at=[-1.0, 0.5], carriage_at=2.0
+    )
+    assert far.carriage[0] == pytest.approx(2.0, abs=1e-12)
+    with pytest.raises(flexlink.FlexlinkError, match="one of torque and force"):
+        flexlink.simulate(arm, time, torque=torque, at=[-1.0, 0.5])
+    with pytest.raises(flexlink.FlexlinkError, match="carriage_at must stand beside neither"):
+        flexlink.simulate(arm, time, hub_angle=angles, carriage=places, carriage_at=1.0)
+
+
 def test_a_standing_sheet_is_played_with_its_weight() -> None:
     sheet = flexlink.Link.read(ROOT / "specs/carriages/sheet.toml")
     motion = flexlink.trajectory("septic", distance=0.05, duration=1.5, step=0.005)

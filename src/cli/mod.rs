@@ -52,7 +52,7 @@ enum Command {
     Frf(frf::Frf),
     Fit(fit::Fit),
     Sweep(Box<sweep::Sweep>),
-    Trajectory(trajectory::Trajectory),
+    Trajectory(Box<trajectory::Trajectory>),
     Compare(compare::Compare),
     Report(report::Report),
     Init(setup::Init),

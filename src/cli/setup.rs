@@ -8,7 +8,7 @@ use clap_complete::Shell;
 use clap_mangen::Man;
 
 use crate::csv::{Digits, write_path, write_trajectory};
-use crate::motion::{Curve, PathColumns, Profile};
+use crate::motion::{Curve, Profile};
 use crate::spec::link_file_schema;
 use crate::store::OutputFolder;
 use crate::text::{plain, shown_path};
@@ -103,9 +103,8 @@ fn path() -> Result<Vec<u8>, Failure> {
         b"# Tip goes straight from (0.9, -0.5) to (0.5, 0.8) in 1.5 s, seventh degree (s, m)\n"
             .to_vec();
     let curve = Curve::through(&[[0.9, -0.5], [0.5, 0.8]]).map_err(|error| not_written(&error))?;
-    let places =
-        curve.sampled(Profile::Septic, 750, [0, 0]).map_err(|error| not_written(&error))?;
-    let columns = PathColumns::of_tip(2e-3, &places, &[]);
+    let columns = curve.columns(Profile::Septic, (2e-3, 750), [0, 0], &[]);
+    let columns = columns.map_err(|error| not_written(&error))?;
     write_path(&mut text, &columns, Digits::Full).map_err(|error| not_written(&error))?;
     Ok(text)
 }

@@ -64,7 +64,7 @@ One of the files may be `-`, standard input.";
 /// summary.json, with --target tip_error.csv, too. Under gravity most poses fall without --feedback.
 ///
 /// On a carriage TORQUE is a force, as force.csv of solve, or with --input carriage the motion of the carriage.
-/// Force and motion are in force.csv and carriage.csv.
+/// Force and motion are in force.csv and carriage.csv. For an arm on a carriage they come beside those of its joints.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Simulate {
@@ -212,9 +212,7 @@ impl Simulate {
                 let message = format!("{place}{steps}, but must be at most {limit} steps");
                 return Failure::new(Exit::InputRefused, &message, error.hint());
             }
-            SimulationError::NoStartAngle | SimulationError::OnCarriage => {
-                (Exit::InputRefused, String::new())
-            }
+            SimulationError::NoStartAngle => (Exit::InputRefused, String::new()),
             SimulationError::State { .. } => {
                 (Exit::InputRefused, state_file.as_ref().map(shown).unwrap_or_default())
             }
@@ -253,11 +251,14 @@ impl Simulate {
     fn write(&self, inputs: &Inputs, run: &PlayedRun<'_>) -> Result<Summary, Failure> {
         let Playing { file, target_file, measured, reference_file, state_file, .. } =
             &inputs.playing;
+        let carriage_files = &inputs.playing.carriage_files;
         let files = SimulateFiles {
             input: file,
+            carriage: carriage_files[0].as_ref(),
             target: target_file.as_ref(),
             measured: measured.as_ref().map(|(file, _)| file),
             reference: reference_file.as_ref(),
+            carriage_reference: carriage_files[1].as_ref(),
             state: state_file.as_ref(),
         };
         let kind = (run.play.input.is_torque(), run.arm.joint().slides());

@@ -928,13 +928,27 @@ fn what_an_arm_on_a_carriage_does_not_take_is_refused_in_words() {
         assert!(told.contains(expected), "{words}: {told}");
     }
     bench.done("solve specs/arms/two_links.toml trajectories/arms/line_1.5s.csv -o fixed");
-    for played in [
-        "simulate specs/carriages/gantry_arm.toml fixed/torques.csv --at 0,0.5".to_owned(),
-        "simulate specs/carriages/gantry_arm.toml fixed/torques.csv".to_owned(),
-        format!("sweep {GANTRY} --torque fixed/torques.csv --vary carriage.mass=12,24"),
+    let gantry = "simulate specs/carriages/gantry_arm.toml";
+    let two_links = format!("simulate {two} fixed/torques.csv --target fixed/tip.csv");
+    bench.done(&format!("{two_links} --save-state state.json -o rest"));
+    bench.write("all.csv", "time,torque1,torque2,force\n0,0,0,0\n1,0,0,0\n2,0,0,0\n3,0,0,0\n");
+    for (exit, words, expected) in [
+        (
+            3,
+            format!("{gantry} fixed/torques.csv --at 0,0.5"),
+            "fixed/torques.csv: the column force is missing, and there is no force.csv beside it",
+        ),
+        (3, format!("{gantry} all.csv --state state.json"), "is of a base at rest, but must be"),
+        (2, format!("{gantry} all.csv"), "nothing states where the arm starts"),
+        (2, format!("{two_links} --carriage-at 1"), "--carriage-at is for an arm on a carriage"),
+        (
+            3,
+            format!("sweep {GANTRY} --torque fixed/torques.csv --vary carriage.mass=12,24"),
+            "there is no force.csv beside it",
+        ),
     ] {
-        let told = stderr(&ended(3, bench.run(&played)));
-        assert!(told.contains("an arm on a carriage is not simulated"), "{told}");
+        let told = stderr(&ended(exit, bench.run(&words)));
+        assert!(told.contains(expected), "{words}: {told}");
     }
     let text = stdout(&succeeded(
         bench.run("modes specs/carriages/gantry_arm.toml --at=-1,0.35 --count 2"),
@@ -1004,4 +1018,177 @@ fn a_mast_beyond_its_buckling_weight_falls_with_a_word() {
         bench.run("solve specs/carriages/stacker_mast.toml slow.csv --set gravity=[0,-9.81]"),
     ));
     assert!(told.contains("set start_angle") && !told.contains("as angles"), "{told}");
+}
+
+/// x in m of the nodes of a link over time, from `nodal_positions.csv`.
+fn along_x(bench: &Bench, link: usize) -> Vec<Vec<f64>> {
+    let table = bench.table("played/nodal_positions.csv");
+    let first = format!("x{link}_");
+    table.into_iter().filter(|(name, _)| name.starts_with(&first)).map(|(_, own)| own).collect()
+}
+
+#[test]
+fn solved_efforts_of_an_arm_on_a_carriage_play_its_path() {
+    let bench = Bench::new();
+    bench.done(&format!("solve {GANTRY} -o out --digits full"));
+    let gantry = "simulate specs/carriages/gantry_arm.toml";
+    let played = format!("{gantry} out/torques.csv --target out/tip.csv -o played --digits full");
+    let run = succeeded(bench.run(&played));
+    let text = stdout(&run);
+    assert!(text.contains("\ncarriage peak 226.7 N; ") && text.contains("moves from "), "{text}");
+    assert!(stderr(&run).contains("out/force.csv: gives the column force"), "{}", stderr(&run));
+    assert!(bench.number("played", "tip_error/share") < 2e-6);
+    assert!(bench.number("played", "errors/energy") < 1e-9);
+    let ends =
+        ["start_m", "end_m"].map(|key| bench.number("played", &format!("results/carriage/{key}")));
+    assert!(ends[0].abs() < 1e-6 && (ends[1] - 0.8).abs() < 2e-6, "{ends:?}");
+    let of = |file: &str, name: &str| column(&bench, file, name);
+    let (own, wanted) =
+        (of("played/carriage.csv", "carriage_m"), of("out/carriage.csv", "carriage_m"));
+    let off = own.iter().zip(&wanted).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    assert!(off < 2e-6, "{off:e}");
+    // Newton's law of the whole: force less friction accelerates the masses along the rail.
+    let force = of("played/force.csv", "force_n");
+    let rate = of("played/carriage.csv", "carriage_velocity_m_s");
+    let time = of("played/force.csv", "time_s");
+    let links = [(1, 0.8 * 0.7, 0.6), (2, 0.4 * 0.6, 0.3)];
+    let links = links.map(|(link, mass_kg, tip_kg)| (along_x(&bench, link), mass_kg, tip_kg));
+    let moment = |k: usize| {
+        let of_link = |(x_m, mass_kg, tip_kg): &(Vec<Vec<f64>>, f64, f64)| {
+            let last = x_m.len() - 1;
+            assert!(last >= 8 && last.is_multiple_of(2), "{last}");
+            let weight =
+                |node| if node == 0 || node == last { 1.0 } else { 2.0 + 2.0 * (node % 2) as f64 };
+            let mean: f64 = (0..=last).map(|node| weight(node) * x_m[node][k]).sum();
+            mass_kg * mean / (3.0 * last as f64) + tip_kg * x_m[last][k]
+        };
+        12.0 * own[k] + links.iter().map(of_link).sum::<f64>()
+    };
+    let moments: Vec<f64> = (0..own.len()).map(moment).collect();
+    let step_s = time[1] - time[0];
+    let off = (1..own.len() - 1).fold(0.0_f64, |most, k| {
+        let found = (moments[k + 1] - 2.0 * moments[k] + moments[k - 1]) / (step_s * step_s);
+        most.max((found - (force[k] - 20.0 * rate[k])).abs())
+    });
+    assert!(off < 1e-4 * 226.7, "{off:e}");
+    // All efforts in one table, and feedback with gains of each joint.
+    bench.done(&format!("solve {GANTRY} --write all.csv --digits full"));
+    let feedback = "--feedback 50,1,50,1,500,50 --reference out/joint_angles.csv";
+    let held = format!("{gantry} out/torques.csv {feedback} --target out/tip.csv -o held");
+    let text = stdout(&succeeded(bench.run(&held)));
+    assert!(text.contains("1.000 N m s/rad;\n         500.0 N/m, 50.00 N s/m around"), "{text}");
+    assert!(bench.number("held", "tip_error/share") < 2e-6);
+    assert!((bench.number("held", "feedback/2/stiffness_n_m") - 500.0).abs() < 1e-9);
+    bench.done(&format!("{gantry} all.csv --target out/tip.csv -o one"));
+    assert!(bench.number("one", "tip_error/share") < 1e-4);
+    // The motion of all joints takes the solved force.
+    let moved = format!("{gantry} out/joint_angles.csv --input hub-angle --measured out/force.csv");
+    let text = stdout(&succeeded(bench.run(&format!("{moved} -o moved"))));
+    assert!(text.contains("\nforce  "), "{text}");
+    assert!(bench.number("moved", "measured/channels/0/share") < 1e-5);
+    for words in ["report held", "report out held", "compare held held"] {
+        succeeded(bench.run(words));
+    }
+    assert!(bench.read("held/report.html").contains("Force on the carriage"));
+    // The same table on every case of a sweep.
+    let swept = "--torque out/torques.csv --vary carriage.mass=12,15 -o sweep.csv";
+    bench.done(&format!("sweep {GANTRY} {swept}"));
+    let share = bench.numbers("sweep.csv", "tip_error_share");
+    assert!(share[0] < 2e-6 && share[1] > 0.01, "{share:?}");
+    let speed_m_s = bench.numbers("sweep.csv", "peak_carriage_speed_m_s");
+    assert!((speed_m_s[0] - 2.70808).abs() < 1e-4 && speed_m_s[1] < 2.5, "{speed_m_s:?}");
+}
+
+#[test]
+fn an_arm_on_a_very_heavy_carriage_moves_as_on_a_fixed_axis() {
+    let bench = Bench::new();
+    bench.done("solve specs/arms/two_links.toml trajectories/arms/line_1.5s.csv -o fixed");
+    let with_column = |file: &str, name: &str, most: usize| -> String {
+        let table = bench.read(file);
+        let rows = table.lines().take(most + 1).enumerate();
+        let rows = rows.map(|(k, row)| format!("{row},{}\n", if k == 0 { name } else { "0" }));
+        rows.collect::<Vec<_>>().concat()
+    };
+    bench.write("all.csv", &with_column("fixed/torques.csv", "force_n", usize::MAX - 1));
+    bench.write("short.csv", &with_column("fixed/torques.csv", "force_n", 20));
+    bench.write("at.csv", &with_column("fixed/joint_angles.csv", "carriage_m", usize::MAX - 1));
+    let held = "--feedback 50,1 --digits full --reference";
+    let fixed = "specs/arms/two_links.toml fixed/torques.csv";
+    bench.done(&format!("simulate {fixed} {held} fixed/joint_angles.csv -o fixed2"));
+    let gantry = "simulate specs/carriages/gantry_arm.toml";
+    let heavy = "--set carriage.mass=1e12";
+    bench.done(&format!("{gantry} all.csv {heavy} {held} at.csv -o heavy"));
+    for name in ["x_m", "y_m"] {
+        let [a, b] = ["fixed2", "heavy"].map(|run| column(&bench, &format!("{run}/tip.csv"), name));
+        let off = a.iter().zip(&b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(off < 1e-8, "{name}: {off:e}");
+    }
+    // A place on the rail moves the whole motion.
+    let at = format!("{gantry} short.csv --at=-60deg,20deg --digits full");
+    bench.done(&format!("{at} --carriage-at 2m -o far"));
+    bench.done(&format!("{at} -o near"));
+    let [far, near] = ["far", "near"].map(|run| column(&bench, &format!("{run}/tip.csv"), "x_m"));
+    let apart = far.iter().zip(&near).map(|(far, near)| (far - near - 2.0).abs());
+    assert!(apart.fold(0.0, f64::max) < 1e-9, "{far:?} {near:?}");
+    // Up the rail the weight of all hangs on the force.
+    let told = stderr(&bench.run(&format!("{at} --set carriage.axis=[0,1] -o up")));
+    let all_kg = 12.0 + 0.8 * 0.7 + 0.6 + 0.4 * 0.6 + 0.3;
+    let held = format!("the force begins with 0.0 N, but {:.3}", 9.81 * all_kg);
+    assert!(told.contains(&held) && told.contains(" N hold the arm"), "{held}: {told}");
+}
+
+#[test]
+fn a_path_moves_the_carriage_of_an_arm_along_within_its_limits() {
+    let bench = Bench::new();
+    let line = "trajectory septic --path line --from 0.5,-0.9 --to 1.9,-0.6 --carriage 0,0.8";
+    let gantry = "--link specs/carriages/gantry_arm.toml";
+    bench.done(&format!("{line} --duration 1.5 --step 0.002 {gantry} -o path.csv"));
+    let of = |file: &str, name: &str| column(&bench, file, name);
+    for (time_s, at_m) in of("path.csv", "time").iter().zip(of("path.csv", "carriage")) {
+        assert!((at_m - 0.8 * septic(time_s / 1.5)).abs() < 1e-12, "{time_s}: {at_m}");
+    }
+    // At a stop the carriage has made the share of its way that the tip has of the path.
+    let via = "--via 0.5,-0.5 --carriage=-0.3m,0.1 --dwell 0.1 --rest-after 0.2";
+    let corner = "trajectory sine --path line --from 0.9,-0.5 --to 1.1,-0.5";
+    bench.done(&format!("{corner} {via} --duration 1.2 --step 0.01 -o via.csv"));
+    let (x_m, at_m) = (of("via.csv", "x"), of("via.csv", "carriage"));
+    let stop = x_m.iter().position(|x| (x - 0.5).abs() < 1e-12).unwrap();
+    assert!((at_m[stop] - (-0.3 + 0.4 * 0.4)).abs() < 1e-12, "{}", at_m[stop]);
+    assert!((at_m[0] + 0.3).abs() < 1e-15 && (at_m[at_m.len() - 1] - 0.1).abs() < 1e-15);
+    // The shortest within a limit of the carriage; with the linear level it takes little time.
+    let linear = "--set analysis.second_order=none";
+    for (limit, key, most) in [
+        ("force=100", "peak_force_n", 100.0),
+        ("carriage.power=100", "peak_power_w", 100.0),
+        ("carriage_speed=1.5", "peak_carriage_speed_m_s", 1.5),
+    ] {
+        let fit = format!("{line} --step 0.04 {gantry} {linear} --fit-limit {limit} -o fast.csv");
+        let told = stderr(&succeeded(bench.run(&fit)));
+        let named = format!("carriage {}", limit.trim_start_matches("carriage."));
+        assert!(told.contains(&named) && !told.contains("joint 3"), "{named}: {told}");
+        bench.done(&format!("solve specs/carriages/gantry_arm.toml fast.csv {linear} -o fast"));
+        let found = bench.number("fast", &format!("results/carriage/{key}"));
+        assert!(found <= most && found > 0.9 * most, "{limit}: {found}");
+    }
+    for (exit, words, expected) in [
+        (
+            3,
+            format!("{line} --duration 1.5 --step 0.002 --link specs/arms/two_links.toml"),
+            "the arm has no [carriage]",
+        ),
+        (
+            2,
+            "trajectory septic --distance 1 --duration 1 --step 0.01 --carriage 1".to_owned(),
+            "--path",
+        ),
+        (2, format!("{line},1 --duration 1.5 --step 0.002"), "must be x and y"),
+        (
+            3,
+            format!("{line} --step 0.02 --link specs/arms/two_links.toml --fit-limit force=5"),
+            "above the links only [carriage] has limits",
+        ),
+    ] {
+        let told = stderr(&ended(exit, bench.run(&words)));
+        assert!(told.contains(expected), "{words}: {told}");
+    }
 }

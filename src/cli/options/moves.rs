@@ -21,6 +21,8 @@ pub struct Moves {
     /// The feedback of each joint; empty without.
     pub feedback: Vec<Feedback>,
     pub start: AtRest,
+    /// Place in m of an arm's carriage at this start, unless the start has it.
+    pub carriage_m: f64,
     pub state: Option<State>,
     pub target: Option<TipPlaces>,
     /// Direction of one link in rad where the target's displacement is 0.
@@ -113,6 +115,7 @@ impl Moves {
             feedback: &self.feedback,
             initial_tip_m,
             start,
+            carriage_m: self.carriage_m,
             memory_bytes: memory::available(),
             is_large: self.is_large,
             start_angle_rad: self.start_angle_rad,

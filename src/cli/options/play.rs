@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::csv::{
-    InputFile, Joints, Reading, TableFormat, read_joint_references, read_joint_torques,
+    InputFile, Joints, Reading, TableError, TableFormat, read_joint_references, read_joint_torques,
     read_recording, read_recording_as, read_target, read_tip_places, read_torque_table_as,
 };
 use crate::link::{Arm, ParameterError};
-use crate::response::{Feedback, HubReference, Interpolation, SimulationError, Torque};
+use crate::numeric::{Dimension, TimeGrid};
+use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
-use super::common::{angle_rad, finite, option};
+use super::common::{angle_rad, finite, option, quantity};
 use super::inputs::{ReadArgs, tell};
 use super::moves::{AtRest, Begins, Moves, Moving};
-use crate::cli::terminal::{Exit, Failure};
+use crate::cli::terminal::{Exit, Failure, console};
 
 /// Quantity that moves the link: of a hub, or of a carriage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -96,7 +97,8 @@ impl HoldArgs {
 pub(crate) struct PlayArgs {
     /// Torque at the hub (CSV): `time` and `torque`; with --input hub-angle `time` and `hub_angle`. Of an arm `time` and
     /// `torque1`, `torque2`, …; with --input hub-angle `time` and `joint1`, `joint2`, … On a carriage `time` and
-    /// `force`; with --input carriage `time` and `carriage`.
+    /// `force`; with --input carriage `time` and `carriage`. Of an arm on a carriage all of these, or those of the joints with
+    /// force.csv or carriage.csv beside the file.
     #[arg(value_name = "TORQUE")]
     pub(crate) file: PathBuf,
 
@@ -147,14 +149,14 @@ pub(crate) struct PlayArgs {
     pub(crate) save_state: Option<PathBuf>,
 
     /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad, at a carriage in N/m and N s/m; for an arm
-    /// one pair for all joints, or a pair for each.
+    /// one pair for all joints, or a pair for each, its carriage last.
     #[arg(long, value_name = "KP,KD", requires = "reference")]
     #[arg(value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<Gains>,
 
     /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, or the joints of an arm, as its
-    /// `joint_angles.csv`, or the position of the carriage, as `carriage.csv`, at the times of TORQUE. The link starts at
-    /// its first angle or position.
+    /// `joint_angles.csv`, or the position of the carriage, as `carriage.csv`, at the times of TORQUE. For an arm on a carriage
+    /// both are in one table, or carriage.csv is beside the file. The link starts at its first angle or position.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
 
@@ -163,6 +165,11 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',', conflicts_with = "state")]
     at: Option<Vec<f64>>,
+
+    /// Place of an arm's carriage where it starts with --at or at the target, in m or with its unit [default: 0].
+    #[arg(long, value_name = "PLACE", value_parser = length, allow_hyphen_values = true)]
+    #[arg(conflicts_with_all = ["state", "reference"])]
+    carriage_at: Option<f64>,
 }
 
 /// Pairs of gains.
@@ -171,6 +178,8 @@ type Gains = Vec<(f64, f64)>;
 /// The files of a simulation beside that of link or arm, read.
 pub(crate) struct Playing {
     pub(crate) file: InputFile,
+    /// Files of an arm's carriage beside that of its joints and beside their reference.
+    pub(crate) carriage_files: [Option<InputFile>; 2],
     pub(crate) target_file: Option<InputFile>,
     pub(crate) measured: Option<(InputFile, ChannelRecording)>,
     pub(crate) reference_file: Option<InputFile>,
@@ -193,7 +202,6 @@ impl PlayArgs {
         is_large: bool,
         read: &ReadArgs,
     ) -> Result<Playing, Failure> {
-        refuse_carriage_of(arm)?;
         self.check(arm)?;
         let (links, joints) = (arm.links().len(), Joints::from(arm));
         let link = arm.links().first().filter(|_| links == 1).map(|own| &own.link);
@@ -202,13 +210,15 @@ impl PlayArgs {
         let [target_file, measured, reference_file] =
             [open(&self.target)?, open(&self.measured)?, open(&self.reference)?];
         let InputFile { shown, bytes, .. } = &file;
-        let (moving, reading) = if self.is_moved() {
-            let (hubs, reading) = read_joint_references(shown, bytes, joints, &read.format())?;
-            (Moving::Angles(hubs), reading)
+        let (moving, of_carriage, reading) = if self.is_moved() {
+            let (mut hubs, reading) = read_joint_references(shown, bytes, joints, &read.format())?;
+            let own = with_carriage_moved(&mut hubs, arm, &self.file)?;
+            (Moving::Angles(hubs), own, reading)
         } else {
             let how = (self.column.as_deref(), &read.format());
-            let (torques, reading) = read_torques(&file, joints, how)?;
-            (Moving::Torques(torques), reading)
+            let (mut torques, reading) = read_torques(&file, joints, how)?;
+            let own = with_force(&mut torques, arm, &self.file)?;
+            (Moving::Torques(torques), own, reading)
         };
         self.hold.refuse_jitter(&file, &reading)?;
         tell(shown, &reading);
@@ -245,7 +255,10 @@ impl PlayArgs {
             tell(&file.shown, &reading);
             Ok(references)
         });
-        let references = references.transpose()?.unwrap_or_default();
+        let mut references = references.transpose()?.unwrap_or_default();
+        let reference = self.reference.as_deref();
+        let of_reference = reference.map(|path| with_carriage_moved(&mut references, arm, path));
+        let carriage_files = [of_carriage, of_reference.transpose()?.flatten()];
         let state_file = open(&self.state)?;
         let state = state_file.as_ref();
         let state = state.map(|file| read_state(&file.shown, &file.bytes, links)).transpose()?;
@@ -263,13 +276,22 @@ impl PlayArgs {
             until_s: self.until,
             feedback,
             start,
+            carriage_m: self.carriage_at.unwrap_or_default(),
             state,
             target,
             start_angle_rad,
             is_large,
             is_periodic: self.periodic,
         };
-        Ok(Playing { file, target_file, measured, reference_file, state_file, moves })
+        Ok(Playing {
+            file,
+            carriage_files,
+            target_file,
+            measured,
+            reference_file,
+            state_file,
+            moves,
+        })
     }
 
     /// The failure of gains outside the range of a feedback.
@@ -305,6 +327,10 @@ impl PlayArgs {
                 "--at sets the directions of an arm, but one link starts at its start_angle";
             return Err(Failure::new(Exit::Usage, &message, None));
         }
+        if self.carriage_at.is_some() && arm.carriage().is_none() {
+            let message = "--carriage-at is for an arm on a carriage, but the file has none";
+            return Err(Failure::new(Exit::Usage, &message, None));
+        }
         Ok(())
     }
 
@@ -317,6 +343,7 @@ impl PlayArgs {
             ("--linear", self.hold.linear),
             ("--feedback", self.feedback.is_some()),
             ("--at", self.at.is_some()),
+            ("--carriage-at", self.carriage_at.is_some()),
         ];
         let Some((name, _)) = given.into_iter().find(|(_, is_given)| *is_given) else {
             return Ok(());
@@ -330,7 +357,7 @@ impl PlayArgs {
             }
             "--column" => "--columns hub_angle=COLUMN chooses the column of the hub angle",
             "--feedback" => "a hub that moves as prescribed needs no feedback",
-            "--at" => "the first angles are where it starts",
+            "--at" | "--carriage-at" => "the first row is where it starts",
             _ => "the hub angle is a smooth curve through its samples",
         };
         Err(Failure::new(Exit::Usage, &message, Some(&joint.worded(hint))))
@@ -351,17 +378,79 @@ impl PlayArgs {
             .at
             .as_ref()
             .map(|at| option("--at", at.iter().map(f64::to_string).collect::<Vec<_>>().join(",")));
+        let carriage_at = self.carriage_at.map(|at_m| option("--carriage-at", at_m));
+        let at = at.into_iter().chain(carriage_at);
         let periodic = self.periodic.then(|| vec!["--periodic".to_owned()]);
         let input = input.into_iter().chain(column).chain(until).chain(periodic);
         input.chain(hold).chain(feedback).chain(at).flatten().collect()
     }
 }
 
-/// Refuses to play an arm on a carriage, before anything is asked of the other inputs.
-pub(crate) fn refuse_carriage_of(arm: &Arm) -> Result<(), Failure> {
-    let error = SimulationError::OnCarriage;
-    let refused = Failure::new(Exit::InputRefused, &error, error.hint());
-    arm.carriage().map_or(Ok(()), |_| Err(refused))
+/// A length in m.
+fn length(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::LENGTH)
+}
+
+/// Adds the force of an arm's carriage from force.csv beside the file of the torques, unless this file has it.
+pub(crate) fn with_force(
+    torques: &mut Vec<Torque>,
+    arm: &Arm,
+    path: &Path,
+) -> Result<Option<InputFile>, Failure> {
+    let read = |file: &InputFile| {
+        read_joint_torques(&file.shown, &file.bytes, ALONE, &TableFormat::default())
+    };
+    with_carriage(torques, (arm, path), ["force.csv", "force"], (read, Torque::grid))
+}
+
+/// Adds the motion of an arm's carriage from carriage.csv beside the file of the joints, unless this file has it.
+fn with_carriage_moved(
+    joints: &mut Vec<HubReference>,
+    arm: &Arm,
+    path: &Path,
+) -> Result<Option<InputFile>, Failure> {
+    let read = |file: &InputFile| {
+        read_joint_references(&file.shown, &file.bytes, ALONE, &TableFormat::default())
+    };
+    with_carriage(joints, (arm, path), ["carriage.csv", "carriage"], (read, HubReference::grid))
+}
+
+/// The carriage in a table of its own.
+const ALONE: Joints = Joints { links: 1, slides: true };
+
+/// Adds the history of an arm's carriage from the file `name` beside that of the joints, unless this file has it in its
+/// `column`. Says so, and refuses other times.
+fn with_carriage<T>(
+    histories: &mut Vec<T>,
+    (arm, path): (&Arm, &Path),
+    [name, column]: [&str; 2],
+    (read, grid): (
+        impl Fn(&InputFile) -> Result<(Vec<T>, Reading), TableError>,
+        impl Fn(&T) -> TimeGrid,
+    ),
+) -> Result<Option<InputFile>, Failure> {
+    if histories.len() == arm.joints().count() {
+        return Ok(None);
+    }
+    let shown = path.display();
+    if path.as_os_str() == "-" || !path.with_file_name(name).exists() {
+        let message =
+            format!("{shown}: the column {column} is missing, and there is no {name} beside it");
+        let hint = "solve writes both files; solve --write writes all efforts into one";
+        return Err(Failure::new(Exit::InputRefused, &message, Some(hint)));
+    }
+    let file = InputFile::read_beside(path, name)?;
+    let (own, reading) = read(&file)?;
+    tell(&file.shown, &reading);
+    if grid(&own[0]) != grid(&histories[0]) {
+        let message =
+            format!("{}: has other times than {shown}, but must have the same", file.shown);
+        let hint = format!("take both of one run of solve, or add the column {column} to {shown}");
+        return Err(Failure::new(Exit::InputRefused, &message, Some(&hint)));
+    }
+    console::note(&format!("{}: gives the column {column} beside {shown}", file.shown));
+    histories.extend(own);
+    Ok(Some(file))
 }
 
 /// Pairs of gains, separated by commas.
@@ -403,19 +492,22 @@ pub fn feedback(
     references: Vec<HubReference>,
     arm: &Arm,
 ) -> Result<Vec<Feedback>, Failure> {
-    let links = arm.links().len();
+    let joints = arm.joints().count();
     let gains = match gains {
         None => Vec::new(),
-        Some([one]) => vec![*one; links],
-        Some(each) if each.len() == links => each.to_vec(),
+        Some([one]) => vec![*one; joints],
+        Some(each) if each.len() == joints => each.to_vec(),
         Some(others) => {
             let found = others.len();
-            let each = match links {
+            let each = match joints {
                 1 => String::new(),
-                _ => format!(", for all joints, or {links}, one for each"),
+                _ => format!(", for all joints, or {joints}, one for each"),
             };
             let message = format!("--feedback = {found} pairs, but must be 1{each}");
-            let hint = (links > 1).then_some("KP1,KD1,KP2,KD2, from the inner joint on");
+            let hint = (joints > 1).then_some(match arm.carriage() {
+                Some(_) => "KP1,KD1,KP2,KD2,KP,KD, from the inner joint on, the carriage last",
+                None => "KP1,KD1,KP2,KD2, from the inner joint on",
+            });
             return Err(Failure::new(Exit::Usage, &message, hint));
         }
     };

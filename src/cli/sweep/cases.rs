@@ -10,7 +10,7 @@ use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::options::inputs::{
     ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, Wanted, are_read_alike, scale_arguments, tell,
 };
-use crate::cli::options::play::{HoldArgs, read_torques, refuse_carriage_of};
+use crate::cli::options::play::{HoldArgs, read_torques, with_force};
 use crate::cli::terminal::{Exit, Failure, memory};
 use crate::csv::{Digits, InputFile, Joints, Reading, TableFormat};
 use crate::link::{Arm, Link};
@@ -80,6 +80,14 @@ pub(crate) struct OutputsArgs {
     pub(crate) sync: SyncArgs,
 }
 
+/// Torques that are played on every case, and their files.
+pub(crate) struct Efforts {
+    pub(crate) file: InputFile,
+    /// That of the force on an arm's carriage, if it has one of its own.
+    pub(crate) of_carriage: Option<InputFile>,
+    pub(crate) torques: Vec<Torque>,
+}
+
 /// Common inputs and settings of all cases of a sweep.
 pub(crate) struct Cases<'a> {
     pub(crate) plan: SweepPlan,
@@ -88,7 +96,7 @@ pub(crate) struct Cases<'a> {
     document: LinkDocument,
     pub(crate) link_file: InputFile,
     pub(crate) motion_file: InputFile,
-    pub(crate) torque_file: Option<(InputFile, Vec<Torque>)>,
+    pub(crate) efforts: Option<Efforts>,
     /// Kind of the numbers in the table.
     pub(crate) kind: SweepKind,
     /// The first readable case.
@@ -116,27 +124,23 @@ impl<'a> Cases<'a> {
             let overrides = with_case(&overrides, &plan.case(case))?;
             document.specification(&link_file.shown, &overrides)
         };
-        let read = |case| {
-            let own = described(case)?;
-            shared.torque.torque.as_ref().map_or(Ok(()), |_| refuse_carriage_of(&own.arm))?;
-            First::read(own, &motion_file, (&shared.resample, &shared.read))
-        };
+        let read =
+            |case| First::read(described(case)?, &motion_file, (&shared.resample, &shared.read));
         // A path that the file lacks fails every case: a slip rather than a result.
         let (first, reading) = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
         shared.scale.scaled(&first.wanted)?;
-        let torque_file = shared.torque.read(&first.arm)?;
+        let efforts = shared.torque.read(&first.arm)?;
         tell(&motion_file.shown, &reading);
         refuse_without_effect(|case| described(case).ok(), &plan)?;
         // From here on errors are for the table, whose text must not depend on the place of the files.
         link_file.shown.clone_from(&link_file.name);
         motion_file.shown.clone_from(&motion_file.name);
         let first = first.named(&motion_file.name);
-        let kind = match &torque_file {
-            Some((_, torques)) => {
-                SweepKind::Played { joints: torques.len(), slides: first.arm.joint().slides() }
-            }
+        let slides = first.arm.joints().any(|joint| joint.slides());
+        let kind = match &efforts {
+            Some(_) => SweepKind::Played { joints: first.arm.links().len(), slides },
             None => SweepKind::of_arm(&first.arm),
         };
         Ok(Self {
@@ -147,7 +151,7 @@ impl<'a> Cases<'a> {
             document,
             link_file,
             motion_file,
-            torque_file,
+            efforts,
             first,
             memory_bytes: memory::available().map(|bytes| bytes / rayon::current_num_threads()),
             alone: RwLock::new(()),
@@ -164,10 +168,12 @@ impl<'a> Cases<'a> {
             self.shared.outputs.identity(),
             self.shared.read.arguments(),
         ];
+        let efforts = self.efforts.as_ref();
         let inputs = SweepInputs {
             link: Fingerprint::of(&self.link_file),
             motion: Fingerprint::of(&self.motion_file),
-            torque: self.torque_file.as_ref().map(|(file, _)| Fingerprint::of(file)),
+            torque: efforts.map(|own| Fingerprint::of(&own.file)),
+            force: efforts.and_then(|own| own.of_carriage.as_ref()).map(Fingerprint::of),
             vary: vary.to_vec(),
             arguments: arguments.concat(),
         };
@@ -266,14 +272,15 @@ impl TorqueArgs {
         column.chain(self.hold.arguments()).collect()
     }
 
-    fn read(&self, arm: &Arm) -> Result<Option<(InputFile, Vec<Torque>)>, Failure> {
+    fn read(&self, arm: &Arm) -> Result<Option<Efforts>, Failure> {
         let Some(path) = &self.torque else { return Ok(None) };
         let file = InputFile::read(path)?;
         let how = (self.column.as_deref(), &TableFormat::default());
-        let (torques, reading) = read_torques(&file, Joints::from(arm), how)?;
+        let (mut torques, reading) = read_torques(&file, Joints::from(arm), how)?;
+        let of_carriage = with_force(&mut torques, arm, path)?;
         tell(&file.shown, &reading);
         self.hold.refuse_jitter(&file, &reading)?;
-        Ok(Some((file, torques)))
+        Ok(Some(Efforts { file, of_carriage, torques }))
     }
 }
 

@@ -2,17 +2,16 @@
 
 use std::path::Path;
 
-use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
 use crate::inverse::Resources;
 use crate::motion::{Ends, Motion, Prescribed};
-use crate::response::{Input, Play, Start, Torque, simulate};
+use crate::response::{Input, Play, Start, simulate};
 use crate::result::{FollowedTarget, Notice, Remark, TipPlaces};
 use crate::spec::Specification;
 use crate::store::{OutputFolder, PlayedRun, RunInputs, SimulateFiles, Simulated};
 use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase};
 
-use super::cases::Cases;
+use super::cases::{Cases, Efforts};
 use super::tally::of_limit;
 use crate::cli::options::inputs::Wanted;
 use crate::cli::problem::{Problem, Solved};
@@ -49,8 +48,8 @@ impl Outcome {
 impl Cases<'_> {
     /// Works on a case, numbered from 0, within its share of the memory.
     pub(crate) fn outcome(&self, case: usize) -> Outcome {
-        let found = self.within_memory(|bytes| match &self.torque_file {
-            Some(torque) => self.play(case, torque, bytes),
+        let found = self.within_memory(|bytes| match &self.efforts {
+            Some(efforts) => self.play(case, efforts, bytes),
             None => self.solve(case, bytes),
         });
         Outcome::of(found, || self.remarks(case))
@@ -92,7 +91,7 @@ impl Cases<'_> {
     fn play(
         &self,
         case: usize,
-        (torque_file, torques): &(InputFile, Vec<Torque>),
+        Efforts { file, of_carriage, torques }: &Efforts,
         memory_bytes: Option<usize>,
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
@@ -108,7 +107,7 @@ impl Cases<'_> {
             cycle_turn_rad: (motion.ends() == Ends::Periodic).then_some(0.0),
             ..Play::with(Input::Torques(torques))
         };
-        let first: Vec<f64>;
+        let mut first: Vec<f64>;
         let places = match &motion {
             Motion::Tip(motion) => {
                 let target = motion.target(from_s, until_s);
@@ -118,13 +117,16 @@ impl Cases<'_> {
             }
             Motion::Path(path) => {
                 first = path.between(from_s, until_s).1.iter().map(|own| own[0]).collect();
+                if path.has_carriage() {
+                    play.carriage_m = first.pop().unwrap_or_default();
+                }
                 play.start = Some(match (path.prescribed(), &first[..]) {
                     (Prescribed::Tip, [x, y, outer_rad @ ..]) => {
                         Start::Tip { at_m: [*x, *y], outer_rad }
                     }
                     (_, chords_rad) => Start::Chords(chords_rad),
                 });
-                TipPlaces::of_path(path, &arm.lengths_m(), [from_s, until_s])
+                TipPlaces::of_path(path, arm, [from_s, until_s])
             }
         };
         play.until_s = Some(until_s.max(places.grid.end_s()));
@@ -139,10 +141,12 @@ impl Cases<'_> {
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
             let files = SimulateFiles {
-                input: torque_file,
+                input: file,
+                carriage: of_carriage.as_ref(),
                 target: Some(&self.motion_file),
                 measured: None,
                 reference: None,
+                carriage_reference: None,
                 state: None,
             };
             let kind = (true, arm.joint().slides());

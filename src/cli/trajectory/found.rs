@@ -241,6 +241,8 @@ pub(super) fn limits(
         };
         let change = match (of, key.rsplit_once('.')) {
             (Limited::Link, _) => format!("limits.{text}"),
+            (Limited::Arm, Some(("carriage", key))) => format!("limits.{key}={value}"),
+            (Limited::Arm, None) if is_of_carriage(key) => format!("limits.{text}"),
             (Limited::Arm, None) => format!("links.*.limits.{text}"),
             (Limited::Arm, Some((link, key))) => format!("links.{link}.limits.{key}={value}"),
         };
@@ -248,6 +250,11 @@ pub(super) fn limits(
     };
     let limits = fit_limit.iter().map(limit).collect::<Result<Vec<_>, _>>()?;
     Ok([changes.overrides()?, limits].concat())
+}
+
+/// True for the key of a limit that only a carriage has.
+fn is_of_carriage(key: &str) -> bool {
+    key.ends_with("force") || key.starts_with("carriage_")
 }
 
 /// Refuses to search a duration without limits.

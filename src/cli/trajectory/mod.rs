@@ -45,12 +45,16 @@ Example:
       --link arm.toml -o path.csv
   flexlink trajectory septic --path arc --from '0.7 m,0' \\
       --center 0,0 --angle '90 deg' \\
-      --duration 2 --step 0.001";
+      --duration 2 --step 0.001
+  flexlink trajectory septic --path line --from 0.5,-0.9 \\
+      --to 1.9,-0.6 --carriage 0,0.8 --step 0.002 \\
+      --link gantry.toml --fit-limit force=250";
 
 /// Make a tip motion, or the path of an arm's tip, from rest to rest.
 ///
 /// Writes a CSV of time and acceleration, to standard output or a file. The samples end at rest exactly and add up to
-/// the travel. With --path, the CSV has time, x and y, and the profile is the law of the travel along the path.
+/// the travel. With --path, the CSV has time, x and y, and the profile is the law of the travel along the path; with
+/// --carriage also the place of the arm's carriage.
 ///
 /// Profiles: sine (one period of a sine acceleration), versine (harmonic, with jumps of the acceleration at
 /// both ends), min-jerk (fifth degree), septic (seventh degree, the smoothest of the polynomials),
@@ -77,7 +81,7 @@ pub struct Trajectory {
 
     /// Limit beside those of the link file, torque=5, force=5000 or 'power="20 W"', or in place of the one with the same key;
     /// repeatable. Finds the shortest duration that keeps all limits. Keys as in [limits]; with --path for all
-    /// joints, or for one, fore.torque=5. Tries every shorter duration or, if there are very many, about a thousand,
+    /// joints, or for one, fore.torque=5, or for the carriage, force=200 or carriage.power=500. Tries every shorter duration or, if there are very many, about a thousand,
     /// and prints how many.
     #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
     fit_limit: Vec<String>,
@@ -154,9 +158,9 @@ impl Trajectory {
         let along = Along::Curve(curve, self.path.outer_rad());
         let found = self.search()?.found(along, arm)?;
         let rest = self.rests(found.steps, BYTES_PER_PLACE)?;
-        let places = curve.sampled(found.profile, found.steps, rest);
-        let places = places.map_err(|error| refused(&error, error.hint()))?;
-        Ok((PathColumns::of_tip(self.step, &places, self.path.outer_rad()), found))
+        let (steps, outer_rad) = ((self.step, found.steps), self.path.outer_rad());
+        let columns = curve.columns(found.profile, steps, rest, outer_rad);
+        Ok((columns.map_err(|error| refused(&error, error.hint()))?, found))
     }
 
     /// The open and the fixed values of the motion.

@@ -90,6 +90,12 @@ pub struct PathArgs {
     #[arg(long, help_heading = PATHS, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',', requires = "path")]
     angles: Vec<f64>,
+
+    /// Move the carriage of the arm along, between two places on its rail in m or with units, '0.2,1', or from 0 to one, as
+    /// the column carriage: at each time it has made the same share of its way as the tip.
+    #[arg(long, help_heading = PATHS, value_name = "FROM,TO", value_parser = carriage, allow_hyphen_values = true)]
+    #[arg(requires = "path")]
+    carriage: Option<Place>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -108,6 +114,11 @@ fn place(text: &str) -> Result<Place, String> {
         return Err(must());
     }
     Ok([length(x)?, length(y)?])
+}
+
+/// Places of a carriage at both ends.
+fn carriage(text: &str) -> Result<Place, String> {
+    if text.contains(',') { place(text) } else { Ok([0.0, length(text)?]) }
 }
 
 fn length(text: &str) -> Result<f64, String> {
@@ -133,6 +144,7 @@ impl PathArgs {
             (self.center.is_some(), "--center"),
             (self.angle.is_some(), "--angle"),
             (!self.angles.is_empty(), "--angles"),
+            (self.carriage.is_some(), "--carriage"),
         ];
         let first = given.into_iter().find(|(is_given, _)| *is_given);
         first.filter(|_| self.path.is_none()).map(|(_, option)| option)
@@ -182,7 +194,8 @@ impl PathArgs {
                 }
             }
         };
-        curve.map(Some).map_err(|error| refused(&error, error.hint()))
+        let curve = curve.map(|curve| Some(curve.with_carriage(self.carriage)));
+        curve.map_err(|error| refused(&error, error.hint()))
     }
 
     /// Constant directions in rad of the links from the third on.

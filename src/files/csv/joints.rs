@@ -116,14 +116,14 @@ impl Joints {
 
 /// Names of an arm's torques.
 const TORQUES: Vocabulary = Vocabulary {
-    quantities: &joined::<10>(&[&[TIME], &JOINT_TORQUES]),
+    quantities: &joined::<11>(&[&[TIME], &JOINT_TORQUES, &[FORCE]]),
     example: "time,torque1,torque2",
     ..Vocabulary::NONE
 };
 
 /// Names of the joints' motion.
 const JOINT_MOTION: Vocabulary = Vocabulary {
-    quantities: &joined::<19>(&[&[TIME], &JOINTS, &JOINT_RATES]),
+    quantities: &joined::<21>(&[&[TIME], &JOINTS, &JOINT_RATES, &OF_CARRIAGE.motion]),
     example: "time,joint1,joint2",
     ..Vocabulary::NONE
 };
@@ -182,7 +182,8 @@ pub fn read_torque_table_as(
 }
 
 /// Reads the torques of an arm with `links` links: `time`, `torque1`, `torque2`, …, as in `torques.csv` of `solve`; of
-/// one link those of [`read_torque_table`]. Other columns are ignored.
+/// one link those of [`read_torque_table`]. The force of an arm's carriage comes last if the table has the column `force`.
+/// Other columns are ignored.
 ///
 /// ```
 /// use flexlink::csv::read_joint_torques;
@@ -201,24 +202,26 @@ pub fn read_joint_torques(
     format: &TableFormat,
 ) -> Result<(Vec<Torque>, Reading), TableError> {
     let joints = joints.into();
-    let links = joints.links;
+    let Joints { links, slides } = joints;
     if links == 1 {
         let (torque, reading) = read_torque_table_as(name, bytes, joints, None, format)?;
         return Ok((vec![torque], reading));
     }
     let hint = "torques.csv of `flexlink solve` holds them";
     let columns = |header: Header| columns(&TORQUES, &JOINT_TORQUES, (header, links), hint);
-    torques(Samples::read(name, bytes, format, columns)?, &JOINT_TORQUES[..links])
+    let of_carriage = &[FORCE][..usize::from(slides)];
+    let quantities = [&JOINT_TORQUES[..links], of_carriage].concat();
+    torques(Samples::read(name, bytes, format, columns)?, &quantities)
 }
 
-/// The torques in the columns of these quantities.
+/// The torques in the columns of these quantities, as far as the table has them.
 fn torques(
     mut samples: Samples,
     quantities: &[Quantity],
 ) -> Result<(Vec<Torque>, Reading), TableError> {
     doubt(&mut samples);
     let (time_s, columns) = samples.take_uniform(quantities);
-    let torques = columns.into_iter().map(|n_m| Torque::new(&time_s, n_m.unwrap_or_default()));
+    let torques = columns.into_iter().flatten().map(|n_m| Torque::new(&time_s, n_m));
     let torques = samples.history(quantities[0], torques.collect())?;
     Ok((torques, samples.reading))
 }
@@ -244,7 +247,7 @@ pub fn read_hub_reference(name: &str, bytes: &[u8]) -> Result<HubReference, Tabl
 
 /// Reads the motion of an arm's joints, for a feedback or as an input: `time`, `joint1`, `joint2`, … up to `links`, and
 /// optionally `joint1_rate`, …, as in `joint_angles.csv` of `solve`; of one link that of [`read_hub_reference`], or of a
-/// carriage `carriage` and `carriage_velocity`. Also returns the table's deviations from the standard form. Other columns
+/// carriage `carriage` and `carriage_velocity`. That of an arm's carriage comes last if the table has it. Also returns the table's deviations from the standard form. Other columns
 /// are ignored.
 ///
 /// # Errors
@@ -269,20 +272,22 @@ pub fn read_joint_references(
         Ok(columns)
     };
     let samples = Samples::read(name, bytes, format, columns)?;
-    let of_joint = |joint| if links > 1 { [JOINTS[joint], JOINT_RATES[joint]] } else { own.motion };
-    references(samples, &(0..links).map(of_joint).collect::<Vec<_>>())
+    let of_links = JOINTS.into_iter().zip(JOINT_RATES).map(|(angle, rate)| [angle, rate]);
+    let of_links = of_links.take(if links > 1 { links } else { 0 });
+    let motions = of_links.chain((links == 1 || joints.slides).then_some(own.motion));
+    references(samples, &motions.collect::<Vec<_>>())
 }
 
-/// The motions in the columns of these angles and rates.
+/// The motions in the columns of these angles and rates, as far as the table has them.
 fn references(
     mut samples: Samples,
     motions: &[[Quantity; 2]],
 ) -> Result<(Vec<HubReference>, Reading), TableError> {
     doubt(&mut samples);
     let (time_s, columns) = samples.take_uniform(&motions.concat());
-    let references = columns.chunks_exact(2).map(|motion| {
-        let angle_rad = motion[0].clone().unwrap_or_default();
-        HubReference::new(&time_s, angle_rad, motion[1].clone())
+    let references = columns.chunks_exact(2).filter_map(|motion| {
+        let angle_rad = motion[0].clone()?;
+        Some(HubReference::new(&time_s, angle_rad, motion[1].clone()))
     });
     let references = samples.history(motions[0][0], references.collect())?;
     Ok((references, samples.reading))

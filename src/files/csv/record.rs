@@ -174,9 +174,18 @@ const CARRIAGE_CHANNELS: Vocabulary = Vocabulary {
     ..CHANNELS
 };
 
-/// Names of all quantities that the simulation of an arm yields.
+/// Quantities of a carriage.
+const OF_CARRIAGE: [Quantity; 3] = [CARRIAGE, CARRIAGE_VELOCITY, FORCE];
+
+/// Names of all quantities that the simulation of an arm yields; those of a carriage are of an arm on one.
 const ARM_CHANNELS: Vocabulary = Vocabulary {
-    quantities: &joined::<30>(&[&[TIME, PATH_X, PATH_Y], &JOINTS, &JOINT_RATES, &JOINT_TORQUES]),
+    quantities: &joined::<33>(&[
+        &[TIME, PATH_X, PATH_Y],
+        &JOINTS,
+        &JOINT_RATES,
+        &JOINT_TORQUES,
+        &OF_CARRIAGE,
+    ]),
     example: "time,joint1,joint2",
     ..CHANNELS
 };
@@ -194,7 +203,7 @@ fn channel_of(quantity: Quantity) -> Option<SimulatedChannel> {
 /// Reads a recording of one link: `time`, and any of `hub_angle`, `hub_rate`, `tip` or `displacement`, `velocity` and
 /// `acceleration` of the tip, `tip_deflection` and `torque`; on a carriage `carriage`, `carriage_velocity` and `force` in
 /// place of those of the hub. A recording of an arm has any of `x` and `y` of the tip, `joint1`, `joint1_rate`, `torque1`,
-/// `joint2`, … Times must increase, but need not be uniform.
+/// `joint2`, …, and of its carriage. Times must increase, but need not be uniform.
 ///
 /// ```
 /// use flexlink::csv::read_recording;
@@ -234,7 +243,7 @@ pub fn read_recording_as(
         1 => &CHANNELS,
         _ => &ARM_CHANNELS,
     };
-    let columns = |header: Header| channel_columns(header, vocabulary, links);
+    let columns = |header: Header| channel_columns(header, vocabulary, Joints { links, slides });
     let mut samples = Samples::read(name, bytes, format, columns)?;
     doubt(&mut samples);
     let time_s = samples.take(TIME).unwrap_or_default();
@@ -246,12 +255,14 @@ pub fn read_recording_as(
 fn channel_columns(
     header: Header,
     vocabulary: &Vocabulary,
-    links: usize,
+    Joints { links, slides }: Joints,
 ) -> Result<Columns, TableError> {
     let Header { fields, place, format } = header;
     let mut columns = Columns::find(vocabulary, header, Beside::Others)?;
     let joint_of = |own: Quantity| channel_of(own).and_then(SimulatedChannel::joint);
-    let has = |own: Quantity| joint_of(own).is_none_or(|joint| joint < links);
+    let has = |own: Quantity| {
+        joint_of(own).is_none_or(|joint| joint < links) && (slides || !OF_CARRIAGE.contains(&own))
+    };
     let is_chosen = |quantity| format.columns.iter().any(|own| own.quantity == quantity);
     let counts = |own: &Heading| {
         let spelling = vocabulary.spelling(fields[own.index], own.quantity);

@@ -272,11 +272,14 @@ pub(super) fn solved_files(form: Form) -> impl Iterator<Item = &'static str> {
     names_in(&SOLVED, form)
 }
 
-/// Files of a simulation in this form, with a target or without, summary.json last.
-pub(super) fn played_files(form: Form, has_target: bool) -> Vec<&'static str> {
+/// Files of a simulation, with a target or without, summary.json last.
+pub(super) fn played_files(arm: &Arm, has_target: bool) -> Vec<&'static str> {
+    let form = Form::of(arm.links().iter().map(|own| &own.link));
     let target = TIP_ERROR.name(form);
     let files = names_in(&PLAYED, form).filter(|name| has_target || *name != target);
-    files.chain([SUMMARY]).collect()
+    let of_carriage = [&TORQUE, &ANGLE].into_iter().filter(|_| arm.carriage().is_some());
+    let of_carriage = of_carriage.map(|file| file.name(Form::Carriage));
+    files.chain(of_carriage).chain([SUMMARY]).collect()
 }
 
 /// Possible files in a run's folder besides summary.json. A run removes those of an earlier run that it does not

@@ -128,7 +128,9 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
     let mut tables: Vec<_> = tables.into_iter().map(|own| (form, own)).collect();
     if has_carriage(summary) {
         let form = Form::Carriage;
-        for file in OF_CARRIAGE {
+        let is_there =
+            |file: &&JointFile| summary.is_solved() || file.name(form) != RIGID_TORQUE.name(form);
+        for file in OF_CARRIAGE.into_iter().filter(is_there) {
             let mut columns = file.columns(form, &[0]);
             columns.truncate(CARRIAGE_COLUMNS);
             let table = Table::of(&folder.file(file.name(form))?, &columns)?;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::names::{Form, RunOutputs, played_files};
+use super::names::{RunOutputs, played_files};
 use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::beam::Mesh;
 use crate::inverse::{LinkMotion, PerQuantity, QuantityErrors, SecondOrderFindings, Solution};
@@ -155,10 +155,12 @@ impl Summary {
         } else {
             let elements = played.links.iter().map(|link| link.mesh.elements().len());
             let [tip_m, joint_rad] = played.change();
+            let feedback = play.feedback.iter().zip(arm.joints());
+            let feedback = feedback.map(|(own, joint)| renamed(&joint, gains(own)));
             json!({
                 "arm": arm_record(arm, elements),
                 input.0: input.1,
-                "feedback": play.feedback.iter().map(gains).collect::<Vec<_>>(),
+                "feedback": feedback.collect::<Vec<_>>(),
                 "results": played_results(metrics, arm),
                 "errors": {
                     "refinement": { "tip_m": tip_m, "joints_rad": joint_rad },
@@ -190,8 +192,7 @@ impl Summary {
             }
         }
         store_gravity(&mut values, arm, reports_weight(mesh, *outward_m_s2));
-        let files =
-            played_files(Form::of(arm.links().iter().map(|own| &own.link)), target.is_some());
+        let files = played_files(arm, target.is_some());
         Self {
             values,
             measured: comparison.clone(),
@@ -363,12 +364,16 @@ fn joint_record(of: &Joint, joint: &JointMetrics) -> Map<String, Value> {
         by_name(of, |quantity| is_there(quantity).then(|| (quantity.of)(joint).into()));
     if joint.joint.is_some() {
         let [start_rad, end_rad] = joint.end_angles_rad;
-        let [start, end] =
-            if of.slides() { ["start_m", "end_m"] } else { ["start_angle_rad", "end_angle_rad"] };
+        let [start, end] = end_keys(of);
         record.insert(start.to_owned(), start_rad.into());
         record.insert(end.to_owned(), end_rad.into());
     }
     record
+}
+
+/// Keys of a joint's positions at the ends.
+fn end_keys(of: &Joint) -> [&'static str; 2] {
+    if of.slides() { ["start_m", "end_m"] } else { ["start_angle_rad", "end_angle_rad"] }
 }
 
 fn mesh_values(mesh: &Mesh) -> Value {
@@ -448,7 +453,6 @@ fn analysis_values(solution: &Solution) -> Value {
 
 /// The results of a simulation: its numbers with those of the hub, or of an arm with those of its joints.
 fn played_results(metrics: &PlayedMetrics, arm: &Arm) -> Value {
-    let joint = |k: usize| arm.links()[k].link.joint();
     let whole = [
         ("farthest_m", metrics.farthest_m),
         ("travel_m", metrics.travel_m),
@@ -457,13 +461,16 @@ fn played_results(metrics: &PlayedMetrics, arm: &Arm) -> Value {
     let whole = whole.map(|(key, number)| (key.to_owned(), Value::from(number))).into_iter();
     let Some(final_tip_m) = metrics.final_tip_m else {
         // The hub's torque stands first.
-        let mut hub = played_joint((metrics.hub(), joint(0))).into_iter();
+        let mut hub = played_joint((metrics.hub(), arm.joint())).into_iter();
         return hub.next().into_iter().chain(whole).chain(hub).collect();
     };
-    let joints = metrics.joints.iter().enumerate();
-    let joints: Vec<_> = joints.map(|(k, own)| played_joint((own, joint(k)))).collect();
+    let mut joints: Vec<_> = metrics.joints.iter().zip(arm.joints()).map(played_joint).collect();
+    let carriage = joints.split_off(arm.links().len()).pop();
+    let carriage = carriage.map(|own| ("carriage", json!(own)));
     let arm = [("final_tip_m", json!(final_tip_m)), ("joints", json!(joints))];
-    whole.chain(arm.map(|(key, value)| (key.to_owned(), value))).collect()
+    whole
+        .chain(arm.into_iter().chain(carriage).map(|(key, value)| (key.to_owned(), value)))
+        .collect()
 }
 
 /// The results of a simulation's joint.
@@ -472,10 +479,10 @@ fn played_joint((joint, of): (&PlayedJoint, Joint)) -> Map<String, Value> {
     if joint.joint.is_some() {
         let [start_rad, end_rad] = joint.end_angles_rad;
         let holding = joint.holding_torque_n_m.map(|torque| ("holding_torque_n_m", torque));
-        let ends = [("start_angle_rad", start_rad), ("end_angle_rad", end_rad)];
+        let ends = end_keys(&of).into_iter().zip([start_rad, end_rad]);
         // The torques stand first.
         for (place, (key, number)) in (1..).zip(holding.into_iter().chain(ends)) {
-            numbers.shift_insert(place, key.to_owned(), number.into());
+            numbers.shift_insert(place, of.named(key), number.into());
         }
     }
     numbers

@@ -239,10 +239,14 @@ impl<'a> RunTables<'a> {
     ) -> Result<Self, ParameterError> {
         let (played, target) = (&result.played, result.target.as_ref());
         let Played { grid, joints, tip, links, .. } = played;
-        let torques = joints.iter().map(|joint| columns([&joint.torque_n_m])).collect();
+        let torques = joints.iter().map(|joint| columns([&joint.torque_n_m]));
+        let mut torques: Vec<_> = torques.collect();
         let angles = joints.iter().map(|joint| {
             columns([&joint.angle_rad, &joint.rate_rad_s, &joint.acceleration_rad_s2])
         });
+        let mut angles: Vec<_> = angles.collect();
+        // The carriage of an arm is the joint after those of its links.
+        let [force, carriage] = [&mut torques, &mut angles].map(|own| own.split_off(links.len()));
         let tip = [
             order_of(tip, |own| &own.displacement_m),
             order_of(tip, |own| &own.velocity_m_s),
@@ -253,9 +257,10 @@ impl<'a> RunTables<'a> {
         let files = [
             (&TORQUE, torques),
             (&TIP, vec![tip]),
-            (&ANGLE, angles.collect()),
+            (&ANGLE, angles),
             (&CHORD, chords.iter().map(|own| columns([own])).collect()),
         ];
+        let of_carriage = tables(grid, Form::Carriage, [(&TORQUE, force), (&ANGLE, carriage)]);
         let nodes = links.iter().map(|link| {
             let nodes_m = link.mesh.nodes_m();
             let nodes = outputs.nodes_of(nodes_m).into_iter();
@@ -282,7 +287,11 @@ impl<'a> RunTables<'a> {
             _ => (of_links(arm, links.iter().map(|link| link.mesh.nodes_m())), None),
         };
         Ok(Self {
-            histories: tables(grid, form, files).into_iter().chain(wanted(target, form)).collect(),
+            histories: tables(grid, form, files)
+                .into_iter()
+                .chain(of_carriage)
+                .chain(wanted(target, form))
+                .collect(),
             nodal: vec![NodalColumns { file: &PLACES, times, columns: all }],
             on_request: None,
             links,

@@ -85,6 +85,8 @@ pub struct RunInputs {
     #[serde(skip_serializing_if = "Option::is_none")]
     reference: Nullable<Fingerprint>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    carriage_reference: Option<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     state: Option<Fingerprint>,
     arguments: Vec<String>,
 }
@@ -94,12 +96,16 @@ pub struct RunInputs {
 pub struct SimulateFiles<'a> {
     /// What is played.
     pub input: &'a InputFile,
+    /// What is played on the carriage of an arm, if it is a file of its own.
+    pub carriage: Option<&'a InputFile>,
     /// The wanted motion, if there is one.
     pub target: Option<&'a InputFile>,
     /// The recording, if there is one.
     pub measured: Option<&'a InputFile>,
     /// The reference of a feedback, if there is one.
     pub reference: Option<&'a InputFile>,
+    /// That of the carriage of an arm, if it is a file of its own.
+    pub carriage_reference: Option<&'a InputFile>,
     /// The state at the start, if there is one.
     pub state: Option<&'a InputFile>,
 }
@@ -123,21 +129,25 @@ impl RunInputs {
         (is_torque, slides): (bool, bool),
         arguments: Vec<String>,
     ) -> Self {
-        let SimulateFiles { input, target, measured, reference, state } = *files;
+        let SimulateFiles { input, target, measured, reference, state, .. } = *files;
         let link = Some(Fingerprint::of(link));
         let input = Some(Fingerprint::of(input));
         let of = |kind| input.clone().filter(|_| kind == (is_torque, slides));
-        let [measured, state] = [measured, state].map(|file| file.map(Fingerprint::of));
+        let others = [measured, state, files.carriage, files.carriage_reference];
+        let [measured, state, own, carriage_reference] =
+            others.map(|file| file.map(Fingerprint::of));
+        let of_carriage = |of_torque| own.clone().filter(|_| of_torque == is_torque);
         let [target, reference] = [target, reference].map(|file| Some(file.map(Fingerprint::of)));
         Self {
             link,
             torque: of((true, false)),
             hub_angle: of((false, false)),
-            force: of((true, true)),
-            carriage: of((false, true)),
+            force: of((true, true)).or(of_carriage(true)),
+            carriage: of((false, true)).or(of_carriage(false)),
             target,
             measured,
             reference,
+            carriage_reference,
             state,
             arguments,
             ..Self::default()
@@ -239,7 +249,8 @@ impl Summary {
     pub(super) fn origin(&self) -> Origin {
         let RunInputs { link, motion, torque, hub_angle, force, carriage, target, .. } =
             &self.inputs;
-        let RunInputs { measured, reference, state, arguments, .. } = &self.inputs;
+        let RunInputs { measured, reference, carriage_reference, state, arguments, .. } =
+            &self.inputs;
         let files = [
             ("link", link.as_ref()),
             ("motion", motion.as_ref()),
@@ -250,6 +261,7 @@ impl Summary {
             ("target", target.as_ref().and_then(Option::as_ref)),
             ("measured", measured.as_ref()),
             ("reference", reference.as_ref().and_then(Option::as_ref)),
+            ("carriage_reference", carriage_reference.as_ref()),
             ("state", state.as_ref()),
         ];
         Origin {

@@ -194,14 +194,19 @@ impl Arm {
     }
 
     /// A text in the words of its joint and of the output, from the text for a hub whose output is the tip. The joint is
-    /// the first one, or the carriage of an arm in a text on the joint after the last.
+    /// the first one, or the carriage of an arm in a text on the joint after the last, or on its torque.
     pub fn worded(&self, text: &str) -> String {
-        let beyond = format!("joint {}", self.links().len() + 1);
-        let of_carriage = self.carriage().filter(|_| text.contains(&beyond));
+        let number = self.links().len() + 1;
+        let [beyond, torque] = [format!("joint {number}"), format!("torque{number}")];
+        let is_beyond = text.contains(&beyond) || text.contains(&torque);
+        let of_carriage = self.carriage().filter(|_| is_beyond);
         of_carriage.map_or_else(
             || self.of_output(self.joint().worded(text)),
             |own| {
-                let text = text.replace(&beyond, "carriage").replace(" at the joint", "");
+                let text = text.replace(&format!("of {beyond}"), "of the carriage");
+                let text = text.replace(&beyond, "carriage").replace(&torque, "the force");
+                let text =
+                    text.replace("the joint stands", "it stands").replace(" at the joint", "");
                 Joint::Prismatic(own.carriage).worded(&text)
             },
         )

@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 
 use super::error::{CurveError, FEWEST_STEPS};
+use super::path::PathColumns;
 use super::profile::Profile;
 use crate::numeric::GaussRule;
 
@@ -33,6 +34,8 @@ pub struct Curve {
     stops_m: Vec<f64>,
     /// Steps of rest at each intermediate stop.
     dwell: usize,
+    /// Places in m of an arm's carriage at both ends, if it moves along.
+    carriage_m: Option<[f64; 2]>,
 }
 
 #[derive(Debug, Clone)]
@@ -122,13 +125,19 @@ impl Curve {
             (start_m, piece)
         });
         let pieces = placed.collect();
-        Self { pieces, length_m, stops_m: vec![length_m], dwell: 0 }
+        Self { pieces, length_m, stops_m: vec![length_m], dwell: 0, carriage_m: None }
     }
 
     /// Sets the number of steps of rest at each intermediate stop.
     #[must_use]
     pub fn with_dwell(self, steps: usize) -> Self {
         Self { dwell: steps, ..self }
+    }
+
+    /// Moves an arm's carriage along, between these places in m: its share of the way is that of the tip on the curve.
+    #[must_use]
+    pub fn with_carriage(self, carriage_m: Option<[f64; 2]>) -> Self {
+        Self { carriage_m, ..self }
     }
 
     /// Length of the curve in m.
@@ -160,7 +169,39 @@ impl Curve {
         steps: usize,
         rest: [usize; 2],
     ) -> Result<Vec<[f64; 2]>, CurveError> {
-        let mut places = vec![self.at(0.0); rest[0] + 1];
+        let arcs_m = self.arcs_m(profile, steps, rest)?;
+        Ok(arcs_m.into_iter().map(|arc_m| self.at(arc_m)).collect())
+    }
+
+    /// The path of an arm's tip, and of its carriage, at the samples of [`sampled`](Self::sampled), with constant directions
+    /// in rad of the links from the third on.
+    ///
+    /// # Errors
+    /// [`CurveError::FewSteps`] for a leg with too few steps.
+    pub fn columns(
+        &self,
+        profile: Profile,
+        (step_s, steps): (f64, usize),
+        rest: [usize; 2],
+        outer_rad: &[f64],
+    ) -> Result<PathColumns, CurveError> {
+        let arcs_m = self.arcs_m(profile, steps, rest)?;
+        let places_m: Vec<[f64; 2]> = arcs_m.iter().map(|arc_m| self.at(*arc_m)).collect();
+        let carriage_m = self.carriage_m.map(|[from_m, to_m]| {
+            let way = Piece::Line { from_m: [from_m, 0.0], to_m: [to_m, 0.0] };
+            arcs_m.iter().map(|arc_m| way.at(arc_m / self.length_m)[0]).collect()
+        });
+        Ok(PathColumns::of_tip(step_s, &places_m, outer_rad, carriage_m))
+    }
+
+    /// Arc lengths in m at these samples.
+    fn arcs_m(
+        &self,
+        profile: Profile,
+        steps: usize,
+        rest: [usize; 2],
+    ) -> Result<Vec<f64>, CurveError> {
+        let mut arcs_m = vec![0.0; rest[0] + 1];
         let (mut from_m, mut first) = (0.0, 0);
         for (leg, stop_m) in self.stops_m.iter().enumerate() {
             let last = whole(steps as f64 * stop_m / self.length_m);
@@ -168,19 +209,19 @@ impl Curve {
             if own < FEWEST_STEPS {
                 return Err(CurveError::FewSteps { number: leg + 1, steps: own, all: steps });
             }
-            let place = |k: usize| {
+            let arc_m = |k: usize| {
                 // From the nearer end, so that both ends are met exactly.
                 let near_m = (stop_m - from_m) * profile.share(k.min(own - k) as f64 / own as f64);
-                self.at(if 2 * k <= own { from_m + near_m } else { stop_m - near_m })
+                if 2 * k <= own { from_m + near_m } else { stop_m - near_m }
             };
             if leg > 0 {
-                places.extend(std::iter::repeat_n(self.at(from_m), self.dwell));
+                arcs_m.extend(std::iter::repeat_n(from_m, self.dwell));
             }
-            places.extend((1..=own).map(place));
+            arcs_m.extend((1..=own).map(arc_m));
             (from_m, first) = (*stop_m, last);
         }
-        places.extend(std::iter::repeat_n(self.at(self.length_m), rest[1]));
-        Ok(places)
+        arcs_m.extend(std::iter::repeat_n(self.length_m, rest[1]));
+        Ok(arcs_m)
     }
 }
 

@@ -47,8 +47,13 @@ pub struct PathColumns {
 
 impl PathColumns {
     /// Columns of a tip at these places in m, one a step from 0 s on, with constant directions in rad for links from
-    /// the third on.
-    pub fn of_tip(step_s: f64, places_m: &[[f64; 2]], outer_rad: &[f64]) -> Self {
+    /// the third on, and the places of a carriage in m.
+    pub fn of_tip(
+        step_s: f64,
+        places_m: &[[f64; 2]],
+        outer_rad: &[f64],
+        carriage_m: Option<Vec<f64>>,
+    ) -> Self {
         let column =
             |name: String, values| PathColumn { name, values, recording: Recording::default() };
         let axis = |axis: usize| places_m.iter().map(|place| place[axis]).collect();
@@ -62,7 +67,7 @@ impl PathColumns {
                 .into_iter()
                 .chain(outer_rad.iter().enumerate().map(held))
                 .collect(),
-            carriage: None,
+            carriage: carriage_m.map(|own| column("carriage".to_owned(), own)),
         }
     }
 

@@ -47,8 +47,8 @@ pub struct BentPlay {
     pub work_j: Vec<f64>,
     /// Energy in J that damping and friction of an arm dissipate; empty for one link.
     pub lost_j: Vec<f64>,
-    /// Largest change of the tip in m, and of any joint's position, by the last refinement: two angles more on each piece,
-    /// half the step.
+    /// Largest change of the tip in m, and of any joint's position (of an arm's carriage over the arm's length), by the last
+    /// refinement: two angles more on each piece, half the step.
     pub change: [f64; 2],
     /// Whether refinement still changes tip or joints by more than 1e-4 of their movement.
     pub is_unsettled: bool,
@@ -155,22 +155,24 @@ impl BentMotion {
         play.record.push(q, rates);
     }
 
-    /// Largest distance in m of the tip from that of another motion, and largest difference of a joint's angle in rad.
+    /// Largest distance in m of the tip from that of another motion, and largest difference of a joint's angle in rad; that
+    /// of an arm's carriage is over its size.
     pub(super) fn change_from(&self, other: &Self) -> [f64; 2] {
         let far = (0..self.joints[0].angle_rad.len())
             .map(|k| apart_m(&self.tip, k, &other.tip, k))
             .fold(0.0, Size::larger);
-        let joints = self.joints.iter().zip(&other.joints);
-        let turns = joints.flat_map(|(own, other)| own.angle_rad.iter().zip(&other.angle_rad));
-        [far, turns.map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger)]
+        let joints = self.joints.iter().zip(&other.joints).enumerate();
+        let turns = joints.flat_map(|(joint, (own, other))| {
+            let size = self.play.linkage.size_of(joint);
+            let pairs = own.angle_rad.iter().zip(&other.angle_rad);
+            pairs.map(move |(a, b)| (a - b).abs() / size)
+        });
+        [far, turns.fold(0.0, Size::larger)]
     }
 
-    /// Largest distance in m of the tip from its start, and largest turn of a joint in rad.
+    /// Largest distance in m of the tip from its start, and largest turn of a joint.
     pub(super) fn moved(&self) -> [f64; 2] {
-        let turns = self.joints.iter().flat_map(|joint| {
-            joint.angle_rad.iter().map(|angle_rad| (angle_rad - joint.angle_rad[0]).abs())
-        });
-        [largest_travel_m(&self.tip), turns.fold(0.0, Size::larger)]
+        [largest_travel_m(&self.tip), self.play.largest_turn_rad(&self.joints)]
     }
 }
 
@@ -202,6 +204,16 @@ pub(super) fn largest_travel_m(tip: &[TipMotionHistories]) -> f64 {
 }
 
 impl BentPlay {
+    /// Largest turn of a joint from its start in rad; the travel of an arm's carriage is over its size.
+    pub(super) fn largest_turn_rad(&self, joints: &[JointMotion]) -> f64 {
+        let turns = joints.iter().enumerate().flat_map(|(number, joint)| {
+            let size = self.linkage.size_of(number);
+            let turned = move |angle_rad: &f64| (angle_rad - joint.angle_rad[0]).abs() / size;
+            joint.angle_rad.iter().map(turned)
+        });
+        turns.fold(0.0, Size::larger)
+    }
+
     /// Place and motion of the links at a sample.
     pub(super) fn state(&self, grid: &TimeGrid, sample: usize) -> State {
         let (q, rates) = self.record.at(sample);

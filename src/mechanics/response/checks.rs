@@ -170,8 +170,7 @@ impl PlayError {
             PlayedBy::Modes(modes) => modes,
             PlayedBy::Elastica(bent) => {
                 let [tip_m, joint_rad] = bent.change;
-                let turns = played.joints.iter().map(|joint| largest(&turned(joint)));
-                let turn_rad = turns.fold(0.0, f64::max);
+                let turn_rad = bent.largest_turn_rad(&played.joints);
                 return Ok(Some(Self {
                     tip: share(tip_m, travel_m),
                     hub_angle: share(joint_rad, turn_rad),
@@ -265,19 +264,24 @@ fn of_torques(
     play: &Play<'_>,
     motion: &BentMotion,
 ) -> Vec<SimulationWarning> {
-    let ranges = torques.iter().map(|torque| {
-        let [low, high] = extremes(torque.torque_n_m());
-        high - low
-    });
-    let range = ranges.fold(0.0, f64::max);
     let holding = motion.joints.iter().map(|joint| joint.holding_n_m.unwrap_or_default());
-    let most = holding.clone().fold(0.0, |most: f64, own| most.max(own.abs()));
-    // The holding torque of a link that hangs straight is round-off.
-    let least = STEP_SHARE * STEP_SHARE * arm.weight_moment_n_m();
-    let size = if range > 0.0 { range } else { most }.max(least);
+    // The torques of all links have one size; the force of their carriage has its own.
+    let size = |joints: std::ops::Range<usize>| {
+        let least = arm.weight_moment_n_m() / motion.play.linkage.size_of(joints.start);
+        let own = torques.iter().zip(holding.clone()).skip(joints.start).take(joints.len());
+        let [range, most] = own.fold([0.0_f64; 2], |[range, most], (torque, holding_n_m)| {
+            let [low, high] = extremes(torque.torque_n_m());
+            [range.max(high - low), most.max(holding_n_m.abs())]
+        });
+        // The holding torque of a link that hangs straight is round-off.
+        if range > 0.0 { range } else { most }.max(STEP_SHARE * STEP_SHARE * least)
+    };
+    let links = arm.links().len();
+    let sizes = [size(0..links), size(links..torques.len())];
     let starts_at_rest = play.state.is_none();
     let mut warnings = Vec::new();
-    for (number, (torque, holding_n_m)) in torques.iter().zip(holding).enumerate() {
+    for (number, (torque, holding_n_m)) in torques.iter().zip(holding.clone()).enumerate() {
+        let size = sizes[usize::from(number >= links)];
         let samples_n_m = torque.torque_n_m();
         let joint = arm.number_of(number).map(|number| number + 1);
         let torque_n_m = samples_n_m[0];

@@ -32,9 +32,6 @@ pub enum SimulationError {
         /// Supported alternatives.
         known: &'static str,
     },
-    /// An arm on a carriage.
-    #[error("an arm on a carriage is not simulated, but moved by verify")]
-    OnCarriage,
     /// A link with gravity but without a direction.
     #[error("start_angle is missing: with gravity the direction of the link matters")]
     NoStartAngle,
@@ -143,7 +140,6 @@ impl SimulationError {
             Self::NotDerived { .. } => {
                 "--set 'gravity=[0, 0]' and analysis.second_order = \"none\" play the linear link"
             }
-            Self::OnCarriage => "leave [carriage] out to hold the first joint, or use verify",
             Self::NoStartAngle => {
                 "set start_angle: --set 'start_angle=\"-90 deg\"' is a hanging link where gravity is along -y"
             }

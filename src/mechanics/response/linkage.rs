@@ -92,7 +92,7 @@ impl Linkage {
     }
 
     /// Place of the first axis, which the carriage moves.
-    fn base(&self, q: &[f64], rates: &[f64]) -> Place {
+    pub(super) fn base(&self, q: &[f64], rates: &[f64]) -> Place {
         let mut base = Place::fixed(self.count);
         if let Some(ArmCarriage { axis, .. }) = self.carriage {
             let last = self.count - 1;
@@ -210,6 +210,11 @@ impl Linkage {
             chord_rad
         };
         ends.iter().zip(roots_rad).zip(bent_rad).map(chord).collect()
+    }
+
+    /// Size of a joint's position: 1 rad, of an arm's carriage the length of the arm in m.
+    pub(super) fn size_of(&self, joint: usize) -> f64 {
+        if joint < self.links.len() { 1.0 } else { self.length_m() }
     }
 
     /// Length in m of the stretched links up to the output.

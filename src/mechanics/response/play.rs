@@ -13,7 +13,7 @@ use super::modes::{
 use super::pose::Start;
 use super::state::{State, of_cycle};
 use crate::beam::Mesh;
-use crate::link::{Arm, Damping, Link};
+use crate::link::{Arm, Damping, Joint, Link};
 use crate::modal::{DampingLaw, ModalBasis};
 use crate::motion::is_repeated;
 use crate::numeric::TimeGrid;
@@ -123,6 +123,8 @@ pub struct Play<'a> {
     pub initial_tip_m: f64,
     /// Start of an arm at rest, under torques; prescribed joints determine it.
     pub start: Option<Start<'a>>,
+    /// Place in m of an arm's carriage at this start, unless the start has it.
+    pub carriage_m: f64,
     /// Tolerance of the tip and the joints of bent links, over their motion; `None`: the tolerance of the meshes.
     pub tolerance: Option<f64>,
     /// Memory limit in bytes; `None`: no limit.
@@ -160,6 +162,7 @@ impl<'a> Play<'a> {
             feedback: &[],
             initial_tip_m: 0.0,
             start: None,
+            carriage_m: 0.0,
             tolerance: None,
             memory_bytes: None,
             is_large: false,
@@ -289,7 +292,7 @@ impl<'a> Play<'a> {
         (mesh, law): (&Mesh, &DampingLaw),
         basis: ModalBasis,
     ) -> Result<Equations, SimulationError> {
-        let free = Equations::new(mesh, law, basis, self.reaction(0, link));
+        let free = Equations::new(mesh, law, basis, self.reaction(0, &link.joint()));
         match self.input {
             Input::Torques(_) => Ok(in_loop(free, law)),
             Input::Angles(_) => {
@@ -299,9 +302,9 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// Friction and feedback at the joint of a link with this number.
-    pub(super) fn reaction(&self, joint: usize, link: &Link) -> HubReaction {
-        let friction_n_m_s_rad = link.joint().friction();
+    /// Friction and feedback at the joint with this number.
+    pub(super) fn reaction(&self, joint: usize, own: &Joint) -> HubReaction {
+        let friction_n_m_s_rad = own.friction();
         let gain = |of: fn(&Feedback) -> f64| self.feedback.get(joint).map_or(0.0, of);
         HubReaction {
             stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),

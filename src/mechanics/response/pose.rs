@@ -163,7 +163,7 @@ impl ArmPose {
         }
         let [damping, loss] = [betas_s, losses].map(|factors| chain.scaled_stiffness(&factors));
         let start = Start::Chords(directions_rad);
-        let q = at_rest(arm, &chain, start).ok_or(PoseError::NoShape)?;
+        let q = at_rest(arm, &chain, start, 0.0).ok_or(PoseError::NoShape)?;
         let (length_m, weight_n_m) = (arm.length_m(), arm.weight_moment_n_m());
         let rest = vec![0.0; count];
         let mut balance = Balance::default();
@@ -316,7 +316,8 @@ pub(super) fn quadratic(matrix: &[f64], x: &[f64]) -> f64 {
 /// Start of an arm at rest.
 #[derive(Debug, Clone, Copy)]
 pub enum Start<'a> {
-    /// Its joints at these angles in rad, from the tip of the link before to each link's root.
+    /// Its joints at these angles in rad, from the tip of the link before to each link's root, and then its carriage, if it
+    /// has one and the list is so long.
     Joints(&'a [f64]),
     /// The chords of its links in these directions in rad against x.
     Chords(&'a [f64]),
@@ -329,13 +330,24 @@ pub enum Start<'a> {
     },
 }
 
-/// Coordinates of an arm at rest, iterated from unbent links. `None` without a shape at rest.
-pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Vec<f64>> {
-    let angles_rad = match start {
+/// Coordinates of an arm at rest, iterated from unbent links, its carriage at a place unless the start has it. `None`
+/// without a shape at rest.
+pub(super) fn at_rest(
+    arm: &Arm,
+    chain: &Linkage,
+    start: Start<'_>,
+    carriage_m: f64,
+) -> Option<Vec<f64>> {
+    let mut angles_rad = match start {
         Start::Joints(joints_rad) => joints_rad.to_vec(),
         Start::Chords(chords_rad) => against_each_other(chords_rad),
-        Start::Tip { at_m, outer_rad } => against_each_other(&reached(arm, at_m, outer_rad)?),
+        Start::Tip { mut at_m, outer_rad } => {
+            let axis = arm.carriage().map_or([0.0; 2], |own| own.axis);
+            at_m.iter_mut().zip(axis).for_each(|(at, part)| *at -= part * carriage_m);
+            against_each_other(&reached(arm, at_m, outer_rad)?)
+        }
     };
+    angles_rad.resize(chain.joints.len(), carriage_m);
     let mut straight = vec![0.0; chain.count];
     for (joint, angle_rad) in chain.joints.iter().zip(&angles_rad) {
         straight[*joint] = *angle_rad;
@@ -347,10 +359,11 @@ pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Ve
             chain.balance(q, &rest, &mut balance);
             let mut left = DVector::from_column_slice(&balance.force);
             let ends = chain.walk(q, &rest, |_, _| {});
-            let away = away(arm, (&ends, start));
+            let away = away(arm, (&ends, start), chain.base(q, &rest).at_m);
             for (number, (joint, angle_rad)) in chain.joints.iter().zip(&angles_rad).enumerate() {
                 let held = || angle_rad - q[*joint];
-                left[*joint] = away.as_ref().map_or_else(held, |away| away[number]);
+                let away = away.as_ref().and_then(|away| away.get(number));
+                left[*joint] = away.copied().unwrap_or_else(held);
             }
             left
         })
@@ -359,8 +372,8 @@ pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Ve
 
 /// Distance from the wanted start, one number a joint: of each chord from its direction in rad (for one link its sine), or
 /// of the tip from its place over the arm's length. `None` for prescribed joints.
-fn away(arm: &Arm, (ends, start): (&[Place], Start<'_>)) -> Option<Vec<f64>> {
-    let mut from_m = [0.0; 2];
+fn away(arm: &Arm, (ends, start): (&[Place], Start<'_>), base_m: [f64; 2]) -> Option<Vec<f64>> {
+    let mut from_m = base_m;
     let mut across = |(end, angle_rad): (&Place, Option<&f64>)| {
         let along_m = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
         from_m = end.at_m;

@@ -15,7 +15,7 @@ use super::shape::{direction, viscous};
 use super::state::{Cycle, State};
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::underived;
-use crate::link::{Arm, ArmLink, Damping, Link};
+use crate::link::{Arm, Damping, Joint, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, reported_frequencies};
 use crate::numeric::TimeGrid;
 
@@ -55,12 +55,9 @@ pub fn simulate(
     play: &Play<'_>,
     watch: &dyn Fn(PlayProgress),
 ) -> Result<Played, SimulationError> {
-    if arm.carriage().is_some() {
-        return Err(SimulationError::OnCarriage);
-    }
-    let links = arm.links();
-    assert!(play.input.joints() == links.len(), "one input for each joint");
-    assert!([0, links.len()].contains(&play.feedback.len()), "feedback for all joints or none");
+    let (links, joints) = (arm.links(), arm.joints().count());
+    assert!(play.input.joints() == joints, "one input for each joint");
+    assert!([0, joints].contains(&play.feedback.len()), "feedback for all joints or none");
     let meshes = links.iter().zip(plans).map(|(own, plan)| Mesh::new(&own.link, plan));
     let mut meshes: Vec<Mesh> = meshes.collect::<Result<_, _>>()?;
     let tolerance = play.tolerance.unwrap_or_else(|| MeshPlan::smallest_tolerance(plans));
@@ -150,8 +147,9 @@ fn play_bent(
     let mut motion = refine(|more, before| bending.driven_links(more, before), refined, watch)?;
     if links.len() > 1 {
         let weight_n_m = arm.weight_moment_n_m();
-        for joint in &mut motion.joints {
-            joint.holding_n_m = joint.holding_n_m.map(|own| without_noise(own, weight_n_m));
+        for (number, joint) in motion.joints.iter_mut().enumerate() {
+            let size = weight_n_m / motion.play.linkage.size_of(number);
+            joint.holding_n_m = joint.holding_n_m.map(|own| without_noise(own, size));
         }
     }
     let warnings = of_bent(arm, play, &motion, &played[0]);
@@ -170,20 +168,19 @@ fn of_motion(
 
 /// The input of each joint.
 fn drives(arm: &Arm, play: &Play<'_>) -> Result<Vec<Drive>, SimulationError> {
-    let is_link = arm.links().len() == 1;
-    let drive = |(number, own): (usize, &ArmLink)| {
-        let link = &own.link;
+    let (is_link, link) = (arm.links().len() == 1, &arm.links()[0].link);
+    let drive = |(number, joint): (usize, Joint)| {
         let zero_rad = if is_link { play.zero_of_state_rad(link) } else { Some(0.0) };
         let driving = play.driving((number, link), zero_rad, arm.has_weight())?;
         // In an arm the damping of a link does not act on its joint, and turns with no reference.
         let turning = driving.turning.filter(|_| is_link);
         let driving = Driving { turning, ..driving };
         Ok(match play.input {
-            Input::Torques(_) => Drive::Torque(driving, play.reaction(number, link)),
+            Input::Torques(_) => Drive::Torque(driving, play.reaction(number, &joint)),
             Input::Angles(_) => Drive::Acceleration(driving),
         })
     };
-    arm.links().iter().enumerate().map(drive).collect()
+    arm.joints().enumerate().map(drive).collect()
 }
 
 /// Links that bend under an input.
@@ -220,7 +217,7 @@ impl Bending<'_> {
         refuse_memory((grid.len, count), bytes, play.memory_bytes)?;
         let linkage = Linkage::of(arm, highest_rad_s, more, play.state);
         let free_hub = one.filter(|_| play.input.is_torque());
-        let free_hub = free_hub.map(|link| (play.reaction(0, link), self.first_rad_s()));
+        let free_hub = free_hub.map(|link| (play.reaction(0, &link.joint()), self.first_rad_s()));
         let damping = linkage.links.iter().zip(self.links);
         let damping = damping.map(|(chain, link)| viscous(chain, &link.law, free_hub));
         let lost = SimulationError::NotFinite { time_s: grid.time_s(0) };
@@ -248,19 +245,21 @@ impl Bending<'_> {
         Ok(DrivenLinks { linkage, drives, aims_rad, grid, start, cycle })
     }
 
-    /// One cycle of the input. Prescribed joints may turn on, and the first joint under a torque where neither weight nor
-    /// stiffness of its feedback holds it. Weight holds no carriage at a place.
+    /// One cycle of the input. Prescribed joints may turn on, and the first joint under a torque, or the carriage of an arm,
+    /// where neither weight nor stiffness of its feedback holds it. Weight holds no carriage at a place.
     fn cycle(&self, joints: &[usize]) -> Result<Cycle, SimulationError> {
         let grid = self.play.input.grid();
-        let turning = match &self.drives[0] {
+        let free = self.arm.carriage().map_or(0, |_| joints.len() - 1);
+        let turning = match &self.drives[free] {
             Drive::Acceleration(_) => return Ok(Cycle::prescribed(grid, joints)),
             Drive::Torque(_, reaction) => {
-                let is_held = self.arm.has_weight() && !self.arm.joint().slides();
+                let slides = self.arm.joints().nth(free).is_some_and(|joint| joint.slides());
+                let is_held = self.arm.has_weight() && !slides;
                 let is_unheld = !is_held && reaction.stiffness_n_m_rad == 0.0;
                 if is_unheld && reaction.damping_n_m_s_rad == 0.0 {
                     return Err(CycleError::Free.into());
                 }
-                joints[..usize::from(is_unheld)].to_vec()
+                joints[free..free + usize::from(is_unheld)].to_vec()
             }
         };
         Ok(Cycle { grid, turning, is_prescribed: false })
@@ -293,7 +292,7 @@ impl Bending<'_> {
             Input::Torques(_) if !chain.slides() => Start::Chords(&[start_rad]),
             Input::Torques(_) | Input::Angles(_) => Start::Joints(&[start_rad]),
         };
-        let mut q = at_rest(self.arm, linkage, start).ok_or(SimulationError::NoRest)?;
+        let mut q = at_rest(self.arm, linkage, start, 0.0).ok_or(SimulationError::NoRest)?;
         let output_m = chain.output(&q, &rates).at_m;
         if chain.slides() && self.play.input.is_torque() {
             // The bent link has the same shape wherever its carriage stands.
@@ -323,7 +322,8 @@ impl Bending<'_> {
             (Input::Torques(_), Some(start)) => start,
             (Input::Torques(_), None) => return Err(SimulationError::NoStartAngle),
         };
-        let q = at_rest(self.arm, linkage, start).ok_or(SimulationError::NoRest)?;
+        let q = at_rest(self.arm, linkage, start, self.play.carriage_m);
+        let q = q.ok_or(SimulationError::NoRest)?;
         Ok(InitialMotion { q, rates: vec![0.0; linkage.count], from_rad: 0.0 })
     }
 }
@@ -364,7 +364,7 @@ pub fn move_arm(
         let (mut q, mut rates) = if let Some(before) = before.filter(|_| repeats) {
             linkage.of_state(&before.play.state(grid, 0))?
         } else {
-            let q = at_rest(arm, &linkage, Start::Joints(&angles_rad));
+            let q = at_rest(arm, &linkage, Start::Joints(&angles_rad), 0.0);
             (q.ok_or(SimulationError::NoRest)?, vec![0.0; linkage.count])
         };
         for (joint, moved) in linkage.joints.iter().zip(joints) {

@@ -341,6 +341,16 @@ impl State {
             let must = format!("be one of {links} links");
             return Err(SimulationError::State { found: format!("is one of {count} links"), must });
         }
+        let kinds = [self.carriage.is_some(), arm.carriage().is_some()];
+        let [found, own] = kinds.map(|slides| if slides { "on a carriage" } else { "at rest" });
+        if kinds[0] != kinds[1] {
+            let [found, must] = [format!("is of a base {found}"), format!("be of a base {own}")];
+            return Err(SimulationError::State { found, must });
+        }
+        if let Some(lost) = self.carriage.iter().flatten().find(|own| !own.is_finite()) {
+            let must = "hold finite numbers".to_owned();
+            return Err(SimulationError::State { found: format!("holds {lost}"), must });
+        }
         let time_s = self.links[0].time_s;
         if let Some(other) = self.links.iter().find(|own| own.time_s.total_cmp(&time_s).is_ne()) {
             let found = format!("is at {} s and at {time_s} s", other.time_s);

@@ -375,11 +375,11 @@ pub enum SimulatedChannel {
     TipDeflection,
     /// Torque at the hub of one link in N m.
     Torque,
-    /// Position of a link's carriage in m.
+    /// Position of the carriage of a link or an arm in m.
     Carriage,
-    /// Velocity of a link's carriage in m/s.
+    /// Velocity of this carriage in m/s.
     CarriageVelocity,
-    /// Force on a link's carriage in N.
+    /// Force on this carriage in N.
     Force,
     /// x of an arm's tip in m.
     TipX,
@@ -473,10 +473,14 @@ impl SimulatedChannel {
 
     /// Samples of a simulation, if it has this channel.
     pub(super) fn of(self, played: &Played) -> Option<Vec<f64>> {
-        let is_link = played.joints.len() == 1;
+        let (is_link, links) = (played.joints.len() == 1, played.links.len());
+        let is_of_carriage = matches!(self, Self::Carriage | Self::CarriageVelocity | Self::Force);
         let is_of_arm = self.joint().is_some() || matches!(self, Self::TipX | Self::TipY);
-        let joint = self.joint().unwrap_or(0);
-        let joint = played.joints.get(joint).filter(|_| is_link != is_of_arm)?;
+        let is_own = if is_of_carriage { true } else { is_link != is_of_arm };
+        // The carriage of an arm is the joint after those of its links.
+        let after = if is_of_carriage && !is_link { links } else { 0 };
+        let joint = self.joint().unwrap_or(after);
+        let joint = played.joints.get(joint).filter(|_| is_own)?;
         let tip = &played.tip[usize::from(self == Self::TipY)];
         Some(match self {
             Self::HubAngle | Self::Carriage | Self::JointAngle(_) => joint.angle_rad.clone(),

@@ -7,8 +7,8 @@ use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, InversionError, Resources, Solution, invert_motion};
 use crate::link::Arm;
 use crate::motion::{
-    ArmPath, Course, Curve, CurveError, Ends, FEWEST_STEPS, Motion, MotionError, PathColumns,
-    PathError, Profile, TipMotion,
+    ArmPath, Course, Curve, CurveError, Ends, FEWEST_STEPS, Motion, MotionError, PathError,
+    Profile, TipMotion,
 };
 use crate::text::{plain, significant};
 
@@ -353,8 +353,7 @@ impl FitProblem<'_> {
                 Motion::Tip(TipMotion::with_ends(columns, course.ends())?)
             }
             Along::Curve(curve, outer_rad) => {
-                let places = curve.sampled(profile, steps, [0, 0])?;
-                let columns = PathColumns::of_tip(step_s, &places, outer_rad);
+                let columns = curve.columns(profile, (step_s, steps), [0, 0], outer_rad)?;
                 Motion::Path(ArmPath::new(columns, &self.arm.lengths_m())?)
             }
         })

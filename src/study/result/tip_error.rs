@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::link::Arm;
 use crate::motion::{ArmPath, Prescribed, TipTarget};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, rounded};
 use crate::response::Played;
@@ -23,18 +24,24 @@ impl From<&TipTarget> for TipPlaces {
 }
 
 impl TipPlaces {
-    /// The tip of an arm with links of these lengths along its path, with the rests around it, between two times in s.
-    pub fn of_path(path: &ArmPath, lengths_m: &[f64], [from_s, until_s]: [f64; 2]) -> Self {
+    /// The tip of an arm along its path, with the rests around it, between two times in s.
+    pub fn of_path(path: &ArmPath, arm: &Arm, [from_s, until_s]: [f64; 2]) -> Self {
         let (grid, coordinates) = path.between(from_s, until_s);
-        let along = |part: fn(f64) -> f64| {
+        let lengths_m = arm.lengths_m();
+        let carriage = arm.carriage().filter(|_| path.has_carriage());
+        let along = |part: fn(f64) -> f64, axis: usize| {
+            let base_m = |k: usize| {
+                carriage.map_or(0.0, |own| own.axis[axis] * coordinates[lengths_m.len()][k])
+            };
             let at = |k: usize| {
-                coordinates.iter().zip(lengths_m).map(move |(own, m)| m * part(own[k])).sum()
+                let links = coordinates.iter().zip(&lengths_m).map(|(own, m)| m * part(own[k]));
+                links.sum::<f64>() + base_m(k)
             };
             (0..grid.len).map(at).collect()
         };
         let at_m = match path.prescribed() {
             Prescribed::Tip => coordinates[..2].to_vec(),
-            Prescribed::Angles => vec![along(libm::cos), along(libm::sin)],
+            Prescribed::Angles => vec![along(libm::cos, 0), along(libm::sin, 1)],
         };
         Self { grid, at_m }
     }

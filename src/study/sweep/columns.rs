@@ -113,6 +113,17 @@ fn swept(is_of_motor: bool) -> impl Iterator<Item = &'static JointQuantity> {
     QUANTITIES.iter().filter(move |own| own.is_swept && own.is_of_motor == is_of_motor)
 }
 
+/// The columns of the carriage of an arm on one, among those of the joint after the last.
+fn of_carriage(
+    columns: impl Iterator<Item = Column>,
+    is_there: bool,
+) -> impl Iterator<Item = Column> {
+    columns.filter(move |column| match column {
+        Column::Joint(_, own) => is_there && !own.is_of_link(),
+        _ => false,
+    })
+}
+
 /// Kind of a sweep's numbers: the columns between those of the variations and the last two, `warnings` and `error`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SweepKind {
@@ -127,9 +138,9 @@ pub enum SweepKind {
     },
     /// The torques of one table, played on every case.
     Played {
-        /// Number of joints; 1 of one link.
+        /// Number of joints of links; 1 of one link.
         joints: usize,
-        /// Of a link on a carriage.
+        /// Of a link or an arm on a carriage.
         slides: bool,
     },
 }
@@ -155,7 +166,7 @@ impl SweepKind {
     fn columns(self) -> Vec<Column> {
         let (joints, is_driven, slides) = match self {
             Self::Solved { joints, is_driven, slides } => (joints, is_driven, slides),
-            Self::Played { joints, .. } => return Self::played_columns(joints),
+            Self::Played { joints, slides } => return Self::played_columns(joints, slides),
         };
         let of_joint =
             |joint, is_of_motor| swept(is_of_motor).map(move |own| Column::Joint(joint, own));
@@ -166,15 +177,12 @@ impl SweepKind {
         }
         let of_joints = (0..joints).flat_map(|joint| of_joint(joint, false).chain(motor(joint)));
         let before = BEFORE.into_iter().skip(1).map(Column::Solved).chain(of_joints);
-        let carriage = of_joint(joints, false).filter(|column| match column {
-            Column::Joint(_, own) => slides && !own.is_of_link(),
-            _ => false,
-        });
+        let carriage = of_carriage(of_joint(joints, false), slides);
         before.chain(carriage).chain(AFTER_JOINTS.into_iter().map(Column::Solved)).collect()
     }
 
     /// All cases of a link play the same torque; simulations of arms have no deflection.
-    fn played_columns(joints: usize) -> Vec<Column> {
+    fn played_columns(joints: usize, slides: bool) -> Vec<Column> {
         let (before, after, absent) = match joints {
             1 => (&PLAYED[..], &AFTER_PLAYED[..], "peak_torque"),
             _ => (&PLAYED[OF_TIP], &[][..], "peak_deflection"),
@@ -183,7 +191,9 @@ impl SweepKind {
         let of_joint =
             |joint| swept(false).filter(is_played).map(move |own| Column::Joint(joint, own));
         let whole = |columns: &'static [OfPlayed]| columns.iter().copied().map(Column::Played);
-        whole(before).chain((0..joints).flat_map(of_joint)).chain(whole(after)).collect()
+        let carriage = of_carriage(of_joint(joints), slides && joints > 1);
+        let of_joints = (0..joints).flat_map(of_joint).chain(carriage);
+        whole(before).chain(of_joints).chain(whole(after)).collect()
     }
 
     /// Names of the columns.

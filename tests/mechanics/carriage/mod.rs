@@ -857,7 +857,7 @@ fn the_force_with_all_terms_brings_the_output_along_the_motion_and_keeps_the_ene
         (0.3, 3.0, None, None),
         (0.3, 3.0, Some(60.0), None),
         (TAU / 4.0, 9.81, None, Some(1.1)),
-        (0.3, 3.0, Some(60.0), Some(1.15)),
+        (0.3, 1.0, Some(60.0), Some(1.15)),
     ] {
         let parts = Link::builder();
         let parts = LinkParts { root_stiffness_n_m_rad: spring_n_m_rad, output_m, ..parts };

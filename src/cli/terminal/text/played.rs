@@ -32,13 +32,13 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
         ("gravity", gravity),
         ("input", played_angles(arm, play)),
         ("torque", played_torque(arm, play, metrics)),
-        ("feedback", feedback_line(play)),
+        ("feedback", feedback_line(arm, play)),
         played_by(played, play),
         ("tip", tip_line(metrics, play.cycle_turn_rad.is_some())),
     ];
     let is_held = arm.has_weight() && play.cycle_turn_rad.is_none();
-    let joints = metrics.joints.iter().zip(arm.links());
-    let joints = joints.flat_map(|(own, link)| joint_lines(&link.link.joint(), own, is_held));
+    let joints = metrics.joints.iter().zip(arm.joints());
+    let joints = joints.flat_map(|(own, joint)| joint_lines(&joint, own, is_held));
     let after = [
         ("after", residual_line(played)),
         ("decay", decay_line(played, play)),
@@ -73,8 +73,10 @@ fn joint_lines(kind: &Joint, joint: &PlayedJoint, is_held: bool) -> Vec<(String,
     let [peak, holding] = four([joint.peak_torque_n_m.value, holding_n_m]);
     let holding =
         if is_held { format!("; {holding} N m hold it where it starts") } else { String::new() };
-    let text = format!("peak {peak} N m{holding}\n{:LABEL$}{}", "", line("hub", &turns));
-    vec![(format!("joint {}", number + 1), text)]
+    let effort = kind.worded(&format!("peak {peak} N m{holding}"));
+    let text = format!("{effort}\n{:LABEL$}{}", "", line("hub", &turns));
+    let label = if kind.slides() { "carriage".into() } else { format!("joint {}", number + 1) };
+    vec![(label, text)]
 }
 
 /// Viscous substitute for damping without an equation in time.
@@ -193,14 +195,17 @@ fn played_angles(arm: &Arm, play: &Play<'_>) -> String {
 }
 
 /// The different gains of the feedback, the inner joint first.
-fn feedback_line(play: &Play<'_>) -> String {
-    let gains = play.feedback.iter().map(|own| {
+fn feedback_line(arm: &Arm, play: &Play<'_>) -> String {
+    let gains = play.feedback.iter().zip(arm.joints()).map(|(own, joint)| {
         let [kp, kd] = four([own.stiffness_n_m_rad(), own.damping_n_m_s_rad()]);
-        format!("{kp} N m/rad, {kd} N m s/rad")
+        joint.worded(&format!("{kp} N m/rad, {kd} N m s/rad"))
     });
     let mut gains: Vec<String> = gains.collect();
     gains.dedup();
-    if gains.is_empty() { String::new() } else { gains.join("; ") + " around the reference" }
+    if gains.is_empty() {
+        return String::new();
+    }
+    gains.join(&format!(";\n{:LABEL$}", "")) + " around the reference"
 }
 
 /// Gravity, and the torque that holds a link with weight before it moves.

@@ -189,10 +189,10 @@ fn check_line(check: &Check, width: usize) -> String {
 
 /// Result of the search for a duration, with the number of trials and the kept limits.
 pub(crate) fn found_text(fit: &Fit, values: &[LimitedValue]) -> String {
-    let kind = fit.solution.arm.joint();
+    let arm = &fit.solution.arm;
     let each = values.iter().map(|value| {
         let LimitedValue { joint, key, limit, unit, .. } = *value;
-        kind.worded(&format!("{}{key}={} {unit}", of_joint(joint), given(limit)))
+        arm.worded(&format!("{}{key}={} {unit}", of_joint(joint), given(limit)))
     });
     let within = each.collect::<Vec<_>>().join(", ");
     if fit.is_shortest() {
@@ -223,5 +223,5 @@ pub(crate) fn binding_text(fit: &Fit) -> String {
     let error = format!("{below} % below it with its error of {error:.1e} added");
     let of = of_joint(value.joint);
     let binds = format!("; {of}limits.{key} binds: {found} {unit} of {limit} {unit}, {error}");
-    fit.solution.arm.joint().worded(&binds)
+    fit.solution.arm.worded(&binds)
 }

@@ -30,6 +30,9 @@ pub struct SweepInputs {
     pub motion: Fingerprint,
     /// The torque that the sweep plays on every case, if there is one.
     pub torque: Option<Fingerprint>,
+    /// The force on an arm's carriage, if it has a file of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<Fingerprint>,
     /// What is varied.
     pub vary: Vec<String>,
     /// The other arguments.
@@ -186,14 +189,16 @@ impl SweepIdentity {
     }
 
     /// Keys whose values decide the rows.
-    fn keys(&self) -> [(&'static str, String); 6] {
-        let SweepInputs { link, motion, torque, vary, arguments } = &self.record.inputs;
-        let torque = torque.as_ref().map(|file| file.sha256.clone());
+    fn keys(&self) -> [(&'static str, String); 7] {
+        let SweepInputs { link, motion, torque, force, vary, arguments } = &self.record.inputs;
+        let [torque, force] = [torque, force]
+            .map(|file| file.as_ref().map(|own| own.sha256.clone()).unwrap_or_default());
         [
             ("flexlink", self.record.flexlink.clone()),
             ("inputs.link.sha256", link.sha256.clone()),
             ("inputs.motion.sha256", motion.sha256.clone()),
-            ("inputs.torque.sha256", torque.unwrap_or_default()),
+            ("inputs.torque.sha256", torque),
+            ("inputs.force.sha256", force),
             (VARY, vary.join(" ")),
             ("inputs.arguments", arguments.join(" ")),
         ]
@@ -206,8 +211,10 @@ impl SweepIdentity {
 
     /// Program, inputs and arguments of the sweep.
     pub(in crate::files::store) fn origin(&self) -> Origin {
-        let SweepInputs { link, motion, torque, vary, arguments } = &self.record.inputs;
-        let files = [("link", Some(link)), ("motion", Some(motion)), ("torque", torque.as_ref())];
+        let SweepInputs { link, motion, torque, force, vary, arguments } = &self.record.inputs;
+        let [torque, force] =
+            [("torque", torque), ("force", force)].map(|(role, file)| (role, file.as_ref()));
+        let files = [("link", Some(link)), ("motion", Some(motion)), torque, force];
         let vary = vary.iter().flat_map(|text| ["--vary".to_owned(), text.clone()]);
         Origin {
             command: self.record.command.clone(),
@@ -239,6 +246,7 @@ pub(super) fn identity_of(
         link: Fingerprint::of(&file),
         motion: Fingerprint::of(&file),
         torque: None,
+        force: None,
         vary: vec![vary.to_owned()],
         arguments: arguments.iter().map(|a| (*a).to_owned()).collect(),
     };
