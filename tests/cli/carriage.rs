@@ -975,3 +975,33 @@ fn a_mast_beyond_its_buckling_weight_falls_with_a_word() {
     ));
     assert!(told.contains("set start_angle") && !told.contains("as angles"), "{told}");
 }
+
+/// The hint names the setting that keeps the weight out, not one that is there.
+#[test]
+fn a_weight_that_frf_and_fit_leave_out_has_the_remedy_of_its_reason() {
+    let bench = Bench::new();
+    let modal = "damping={model='modal',ratio=0.01}";
+    bench.write("measured.toml", "[[frequency]]\nmode = 1\ncarriage = 'held'\nvalue = 2.9354\n");
+    for (words, remedy) in [
+        (format!("frf {MAST} --set gravity=[0,-9.81]"), Some("set start_angle")),
+        (format!("frf {SHEET} --set analysis.modes=2"), Some("leave analysis.modes out")),
+        (format!("frf {SHEET} --set {modal}"), Some("use hysteretic or rayleigh damping")),
+        (format!("frf {SHEET} --set mesh.elements=300"), Some("lower --to, or use fewer")),
+        (format!("frf {SHEET} --set mesh.elements=100"), None),
+        (format!("modes {MAST} --set gravity=[0,-9.81]"), Some("set start_angle")),
+        (format!("fit {SHEET} measured.toml --free segments.*.E"), Some("fit computes no weight")),
+    ] {
+        let told = stderr(&succeeded(bench.run(&words)));
+        let is_left_out = told.contains("those here are without it");
+        assert_eq!(is_left_out, remedy.is_some(), "{words}: {told}");
+        assert!(told.contains(remedy.unwrap_or_default()), "{words}: {told}");
+        let sets = told.contains("set start_angle");
+        assert_eq!(sets, remedy == Some("set start_angle"), "{words}: {told}");
+    }
+    // 200 elements have their weight, but not their halves.
+    let told = stderr(&succeeded(bench.run(&format!("frf {SHEET} --set mesh.elements=200"))));
+    assert!(
+        told.contains("halved elements are more than 256") && !told.contains("modal"),
+        "{told}"
+    );
+}

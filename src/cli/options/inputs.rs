@@ -88,20 +88,24 @@ pub(crate) fn refuse_direction(arm: &Arm) -> Result<(), Failure> {
     Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
 }
 
-/// Warns that frequencies exclude gravity, if it acts; returns the number of warnings.
-pub(crate) fn warn_of_gravity(link: &Link) -> usize {
+/// Warns that frequencies exclude gravity, if it acts; returns the number of warnings. `of_carriage` is the remedy for a link
+/// on a carriage.
+pub(crate) fn warn_of_gravity(link: &Link, of_carriage: &str) -> usize {
     if !link.has_weight() {
         return 0;
     }
     let left_out = "gravity changes natural frequencies and zeros with the link's direction: those here are without it";
-    let hint = if link.joint().slides() {
-        "set start_angle, and compute those with the weight with modes; --set 'gravity=[0, 0]' is a horizontal plane"
+    let remedy = if link.joint().slides() {
+        of_carriage
     } else {
-        "compute those of one direction with modes --at ANGLE; --set 'gravity=[0, 0]' is a horizontal plane"
+        "compute those of one direction with modes --at ANGLE"
     };
-    console::warning(left_out, hint);
+    console::warning(left_out, &format!("{remedy}; --set 'gravity=[0, 0]' is a horizontal plane"));
     1
 }
+
+/// Remedy for a link on a carriage without a direction.
+pub(crate) const NO_DIRECTION: &str = "set start_angle: the weight then counts";
 
 /// The step of a trajectory, and what its samples are worth.
 #[derive(Debug, Args)]
