@@ -210,7 +210,7 @@ impl Frf {
         });
         let known = frequencies_hz.iter().copied().zip(errors.iter().flatten().copied());
         let outward_m_s2 = link.outward_m_s2().filter(|_| weightless.is_none());
-        let share = outward_m_s2.and_then(|own| buckling_share(model.mesh(), own));
+        let share = outward_m_s2.map(|own| buckling_share(model.mesh(), own));
         Ok(Responses {
             error: BandMeshError::of_errors(known, Refined::Elements),
             columns: link_response(link, &rows, errors.as_deref()),

@@ -617,6 +617,17 @@ fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {
     };
     let text = stderr(&succeeded(solve(0.65)));
     assert!(!text.contains("buckle"), "{text}");
+    // On pieces as on a whole link.
+    let modulus = 12.0 * 7870.0 * 9.81 * 0.52_f64.powi(3) / (1e-6 * 7.8373 * 0.985);
+    let section = "section={shape='rectangle',width='80 mm',thickness='1 mm'}";
+    let piece = format!("{{length='1.3 mm',{section},E={modulus},density=7870}}");
+    let pieces = vec![piece; 400].join(",");
+    bench.write(
+        "pieces.toml",
+        &format!("gravity=[0,-9.81]\nstart_angle='90 deg'\nsegments=[{pieces}]\ncarriage.mass=5\n"),
+    );
+    let text = stderr(&ended(4, bench.run("solve pieces.toml slow.csv -o out")));
+    assert!(text.contains("the weight is 0.985 of the one that buckles the link"), "{text}");
     let text = stderr(&succeeded(solve(0.75)));
     assert!(text.contains("the weight is 0.75 of the one that buckles the link"), "{text}");
     let text = stderr(&ended(4, solve(0.985)));
@@ -967,6 +978,18 @@ fn a_mast_beyond_its_buckling_weight_falls_with_a_word() {
     let told =
         stderr(&succeeded(bench.run(&format!("simulate {sheet} out/force.csv {heavy} -o fallen"))));
     assert!(told.contains("the weight is 1.16 of the weight that buckles the link"), "{told}");
+    // The modes keep their numbers: the first has no period, and the second that of `modes`.
+    let periods = bench.json("fallen/summary.json")["periods_s"].clone();
+    let modes = bench.printed(&format!("modes {sheet} {heavy} --json"));
+    let second = serde_json::from_str::<serde_json::Value>(&modes).unwrap();
+    let second_s = second["free"]["frequency_hz"][1].as_f64().unwrap().recip();
+    assert!(periods[0].is_null(), "{periods}");
+    assert!((periods[1].as_f64().unwrap() / second_s - 1.0).abs() < 1e-4, "{periods} {second_s}");
+    bench.done(&format!(
+        "sweep {sheet} slow.csv --torque out/force.csv --vary gravity.1=-9.81,-130 -o s.csv"
+    ));
+    let periods = bench.numbers("s.csv", "period_1_s");
+    assert!((periods[0] - 0.34978933).abs() < 1e-7 && periods[1].is_nan(), "{periods:?}");
     let told = stderr(&succeeded(bench.run(&format!("frf {sheet} {heavy} --points 3"))));
     assert!(told.contains("it responds so only under control"), "{told}");
     let told = stderr(&ended(

@@ -65,7 +65,8 @@ const AFTER: [Solved; 6] = [
 /// The columns of a link with a played torque before those of its hub.
 const PLAYED: [OfPlayed; 11] = [
     ("period_1_s", |case| {
-        case.simulation.links[0].natural_frequencies_rad_s.first().map(|omega| TAU / omega)
+        let first = case.simulation.links[0].natural_frequencies_rad_s.first();
+        first.map(|omega| TAU / omega).filter(|period_s| period_s.is_finite())
     }),
     ("zero_1_per_s", |case| {
         let first =
