@@ -543,6 +543,9 @@ fn a_page_speaks_of_force_and_carriage() {
             assert!(!text.contains(word), "{word} in {text}");
         }
     }
+    for words in ["Peak force\n", "Peak force, flexible over rigid", "Largest force"] {
+        assert!(sweep.contains(words), "{words}: {sweep}");
+    }
     for words in [
         "Force on the carriage",
         "force in N\n",
@@ -869,6 +872,12 @@ fn a_sweep_of_an_arm_on_a_carriage_has_the_numbers_of_the_carriage() {
         let at = rows[0].iter().position(|own| *own == name).unwrap();
         [1, 2].map(|row: usize| rows[row][at].parse().unwrap())
     };
+    bench.done("report sweep.csv -o sweep.html");
+    let page = texts(&bench.read("sweep.html"));
+    for words in ["Peak torque, joint 2", "Peak force, carriage", "Lead, carriage", "force in N\n"]
+    {
+        assert!(page.contains(words), "{words}: {page}");
+    }
     let (force, lead) = (of("peak_force_n"), of("carriage_lead_s"));
     assert!(force[0] < force[1] && lead.iter().all(|lead| lead.is_finite()), "{force:?} {lead:?}");
     let torque = of("peak_torque1_n_m");

@@ -114,6 +114,13 @@ fn swept(is_of_motor: bool) -> impl Iterator<Item = &'static JointQuantity> {
     QUANTITIES.iter().filter(move |own| own.is_swept && own.is_of_motor == is_of_motor)
 }
 
+/// Name of a column of an arm's carriage, from that of a hub.
+pub(crate) fn column_of_carriage(of_hub: &str) -> String {
+    let named = Joint::Prismatic(Carriage::default()).named(of_hub);
+    // Times and powers have no word of the carriage in their names.
+    if named == of_hub { format!("carriage_{named}") } else { named }
+}
+
 /// Kind of a sweep's numbers: the columns between those of the variations and the last two, `warnings` and `error`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SweepKind {
@@ -199,12 +206,7 @@ impl SweepKind {
             Column::Solved((name, _)) | Column::Played((name, _)) => of.named(name),
             Column::Joint(_, own) if joints == 1 => of.named(&own.column(None)),
             Column::Joint(joint, own) if joint < joints => own.column(Some(joint + 1)),
-            Column::Joint(_, own) => {
-                let name = own.column(None);
-                // Times and powers have no word of the carriage in their names.
-                let named = of.named(&name);
-                if named == name { format!("carriage_{name}") } else { named }
-            }
+            Column::Joint(_, own) => column_of_carriage(&own.column(None)),
         };
         self.columns().into_iter().map(name).collect()
     }

@@ -4,6 +4,7 @@
 mod columns;
 mod variation;
 
+pub(crate) use columns::column_of_carriage;
 pub use columns::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 pub use variation::{Operation, Variation, VariationError};
 
