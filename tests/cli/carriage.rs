@@ -907,6 +907,11 @@ fn what_an_arm_on_a_carriage_does_not_take_is_refused_in_words() {
         ),
         (3, format!("solve {GANTRY} --set carriage.mass=-1"), "carriage.mass = -1 kg, but must"),
         (3, format!("solve {GANTRY} --set carriage.root_stiffness=1"), "is for one link"),
+        (
+            3,
+            format!("solve {GANTRY} --set carriage.colour=1"),
+            "known here: mass, viscous_friction and axis\n",
+        ),
         (3, format!("solve {GANTRY} --set limits.deflection=1"), "is a limit of a link"),
         (3, format!("solve {GANTRY} --set limits.motor_rate=1"), "must come with a [drive]"),
         (3, format!("solve {GANTRY} --set carriage.axis=[1,0,0]"), "must hold two numbers"),
