@@ -1042,3 +1042,17 @@ fn a_weight_that_frf_and_fit_leave_out_has_the_remedy_of_its_reason() {
         "{told}"
     );
 }
+
+#[test]
+fn the_page_of_an_arms_carriage_has_the_peak_of_the_summary() {
+    let bench = Bench::new();
+    bench.done(&format!("solve {GANTRY} --set limits.carriage_speed=3 -o out --quiet"));
+    let peak =
+        bench.json("out/summary.json")["results"]["carriage"]["peak_carriage_speed_m_s"].clone();
+    // A peak between two samples.
+    let text = bench.read("out/summary.json").replace(&peak.to_string(), "2.8125");
+    bench.write("out/summary.json", &text);
+    bench.done("report out -o page.html");
+    let page = texts(&bench.read("page.html"));
+    assert!(page.contains("At most 2.812 m/s."), "{page}");
+}
