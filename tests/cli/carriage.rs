@@ -652,6 +652,12 @@ fn a_state_of_another_direction_or_of_a_hub_is_refused() {
     let hanging = format!("{sheet} --state state.json --set start_angle=0");
     let told = stderr(&ended(3, bench.run(&hanging)));
     assert!(told.contains("the state has the direction 90 deg, but must have 0 deg"), "{told}");
+    let ends = |turned: &str| {
+        bench.done(&format!("{sheet} --state state.json {turned}"));
+        bench.number("out", "results/peak_carriage_travel_m")
+    };
+    let (own, turned) = (ends(""), ends("--set start_angle=7.853981633974483"));
+    assert!((turned / own - 1.0).abs() < 1e-9, "{turned} a turn on, {own}");
     let text = bench.read("state.json");
     let at = text.find("\"carriage\"").unwrap();
     let (before, after) = (&text[..at], &text[at..]);
