@@ -110,9 +110,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "NAME")]
     column: Option<String>,
 
-    /// Time in s at which the simulation ends; after the last sample of TORQUE no torque acts, or with
-    /// gravity the last one
-    /// [default: the end of TORQUE or of the target, whichever is later].
+    /// End of the simulation, in s. After the last sample of TORQUE the torque is zero; with gravity the last
+    /// torque stays [default: the end of TORQUE, or of the target if that is later].
     #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
     pub(crate) until: Option<f64>,
 
@@ -152,14 +151,13 @@ pub(crate) struct PlayArgs {
     #[arg(value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<Gains>,
 
-    /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, or the joints of an arm, as its
-    /// `joint_angles.csv`, or the position of the carriage, as `carriage.csv`, at the times of TORQUE. The link starts at
-    /// its first angle or position.
+    /// Motion that the feedback follows (CSV), at the times of TORQUE: `hub_angle.csv` of solve, `joint_angles.csv` for
+    /// an arm, `carriage.csv` for a carriage. The simulation starts at its first row.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
 
-    /// Directions of all links of an arm, from joint to joint, in which it starts at rest, in rad or with
-    /// units, as in '30 deg,75 deg' [default: the first row of the reference, or of the target of two links].
+    /// Pose in which an arm starts at rest: the direction of each link, from its joint to the next one, in rad or with
+    /// units, as in '30 deg,75 deg' [default: the first row of the reference; for two links also of the target].
     #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',', conflicts_with = "state")]
     at: Option<Vec<f64>>,
