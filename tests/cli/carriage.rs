@@ -1062,3 +1062,16 @@ fn the_page_of_an_arms_carriage_has_the_peak_of_the_summary() {
     let page = texts(&bench.read("page.html"));
     assert!(page.contains("At most 2.812 m/s."), "{page}");
 }
+
+#[test]
+fn a_refused_motion_of_a_station_is_one_of_the_output() {
+    let bench = Bench::new();
+    bench.sampled("tip.csv", "time,displacement", 0..=20, |k| [0.1 * k, 0.01 * k * k]);
+    let solve = format!("solve {MAST} tip.csv --set output.at=4");
+    let told = stderr(&ended(3, bench.run(&solve)));
+    assert!(
+        told.contains("error: tip.csv:") && told.contains("bring the output to rest"),
+        "{told}"
+    );
+    assert!(!told.replace("tip.csv", "").contains("tip"), "{told}");
+}

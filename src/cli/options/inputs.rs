@@ -139,6 +139,17 @@ pub struct ResampleArgs {
     moving_ends: bool,
 }
 
+/// A failure of a file in the words of the joint and the output. The name of the file stays.
+pub(crate) fn worded(failure: Failure, file: &InputFile, arm: &Arm) -> Failure {
+    let (name, rest) = match failure.message.strip_prefix(&file.shown) {
+        Some(rest) => (&*file.shown, rest),
+        None => ("", &*failure.message),
+    };
+    let message = name.to_owned() + &arm.worded(rest);
+    let hint = failure.hint.map(|hint| arm.worded(&hint));
+    Failure { message, hint, ..failure }
+}
+
 /// The wanted motion, and the rows of its samples.
 #[derive(Debug, Clone)]
 pub struct Wanted {
@@ -202,15 +213,16 @@ impl ResampleArgs {
         let (lengths_m, format) = (arm.lengths_m(), self.format(read));
         let table = read_motion_table_as(&file.shown, &file.bytes, &lengths_m, &format);
         let table = table.map_err(|error| {
-            let failure = Failure::from(error);
+            let failure = worded(error.into(), file, arm);
             // Places turn about a hub; a carriage has none.
             let is_turned = arm.joint().slides() && failure.message.contains(" x and y ");
             let hint = "write the motion as displacement: a link on a carriage does not turn";
             let hint = is_turned.then(|| hint.to_owned()).or(failure.hint);
-            Failure { message: arm.worded(&failure.message), hint, ..failure }
+            Failure { hint, ..failure }
         })?;
         let reading = table.reading().clone();
-        Ok((self.motion_in(table, Some(arm))?, reading))
+        let wanted = self.motion_in(table, Some(arm));
+        Ok((wanted.map_err(|failure| worded(failure, file, arm))?, reading))
     }
 
     /// The options for a table.

@@ -14,7 +14,7 @@ use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
 use super::common::{angle_rad, finite, option};
-use super::inputs::{ReadArgs, tell};
+use super::inputs::{ReadArgs, tell, worded};
 use super::moves::{AtRest, Begins, Moves, Moving};
 use crate::cli::terminal::{Exit, Failure};
 
@@ -215,7 +215,9 @@ impl PlayArgs {
         let target = target_file.as_ref().map(|file| -> Result<TipPlaces, Failure> {
             let (target, reading) = match link {
                 Some(link) => {
-                    let (target, reading) = read_target(&file.shown, &file.bytes, link)?;
+                    let target = read_target(&file.shown, &file.bytes, link);
+                    let (target, reading) =
+                        target.map_err(|error| worded(error.into(), file, arm))?;
                     start_angle_rad = target.start_angle_rad();
                     (TipPlaces::from(&target), reading)
                 }
