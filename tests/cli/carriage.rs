@@ -1075,3 +1075,21 @@ fn a_refused_motion_of_a_station_is_one_of_the_output() {
     );
     assert!(!told.replace("tip.csv", "").contains("tip"), "{told}");
 }
+
+/// Zeros and periods in the columns of a sweep have the weight of a link that keeps its direction alone.
+#[test]
+fn a_sweep_tells_that_its_columns_leave_the_weight_out() {
+    let bench = Bench::new();
+    bench.done("trajectory septic --distance 0.05 --duration 1.5 --step 0.005 -o slow.csv");
+    let told = |words: &str| stderr(&succeeded(bench.run(&format!("{words} -o s.csv"))));
+    let on_hub = format!("sweep {HUB} slow.csv --vary payload.mass=0,0.1");
+    let weight = "--set gravity=[0,-9.81] --set start_angle=-1.5";
+    let remark = "those without gravity";
+    assert!(told(&format!("{on_hub} {weight}")).contains(remark));
+    assert!(!told(&on_hub).contains(remark));
+    let on_carriage = format!("sweep {SHEET} slow.csv --vary carriage.mass=5,6");
+    assert!(!told(&on_carriage).contains(remark));
+    assert!(told(&format!("{on_carriage} --set mesh.elements=70")).contains(remark));
+    bench.done(&format!("solve {HUB} slow.csv {weight} -o out --quiet"));
+    assert!(told(&format!("{on_hub} {weight} --torque out/torque.csv")).contains(remark));
+}

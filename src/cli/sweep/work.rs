@@ -5,8 +5,9 @@ use std::path::Path;
 use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
 use crate::inverse::Resources;
+use crate::modal::reports_weight;
 use crate::motion::{Ends, Motion, Prescribed};
-use crate::response::{Input, Play, Start, Torque, simulate};
+use crate::response::{Input, Play, PlayedLink, Start, Torque, simulate};
 use crate::result::{FollowedTarget, Notice, Remark, TipPlaces};
 use crate::spec::Specification;
 use crate::store::{OutputFolder, PlayedRun, RunInputs, SimulateFiles, Simulated};
@@ -84,7 +85,8 @@ impl Cases<'_> {
         let limits = exceeded.iter().map(|own| of_limit(own, &solution.arm).worded(&solution.arm));
         let notices = notices.chain(limits).collect();
         // The tally alone does not need a link's modes above the first.
-        let remarks = solved.remarks_on(Some(found.first_rad_s.as_slice()));
+        let mut remarks = solved.remarks_on(Some(found.first_rad_s.as_slice()));
+        remarks.extend(Remark::on_weight(&solution.arm, solution.links[0].reports_weight()));
         Ok((numbers, notices, remarks))
     }
 
@@ -152,7 +154,9 @@ impl Cases<'_> {
             run.write(inputs, &outputs, || self.stage(&folder))?;
         }
         let notices = run.notices(|limit| of_limit(limit, &own.arm));
-        Ok((numbers, notices, remarks.clone()))
+        let PlayedLink { mesh, outward_m_s2, .. } = &played.links[0];
+        let weight = Remark::on_weight(&own.arm, reports_weight(mesh, *outward_m_s2));
+        Ok((numbers, notices, remarks.iter().cloned().chain(weight).collect()))
     }
 
     /// Opens the folder of a case. The command line does not name it, so it must not be a link to another place.
