@@ -1095,3 +1095,31 @@ fn a_sweep_tells_that_its_columns_leave_the_weight_out() {
     bench.done(&format!("solve {HUB} slow.csv {weight} -o out --quiet"));
     assert!(told(&format!("{on_hub} {weight} --torque out/torque.csv")).contains(remark));
 }
+
+/// The play of `verify` has all terms: an answer of first order is off by those that `solve` states as left out.
+#[test]
+fn an_answer_of_first_order_is_verified_within_the_terms_left_out() {
+    let bench = Bench::new();
+    bench.done("trajectory septic --distance 0.15 --duration 0.7 --step 0.005 -o fast.csv");
+    let solve = |order: &str| {
+        let order = format!("--set analysis.second_order={order} --verify -o {order}");
+        bench.run(&format!("solve {SHEET} fast.csv {order} --quiet"))
+    };
+    succeeded(solve("first"));
+    succeeded(solve("full"));
+    let told = stderr(&ended(4, solve("none")));
+    assert!(told.contains("tip, the carriage moved as solved"), "{told}");
+    let tip = |order: &str| {
+        let summary = bench.json(&format!("{order}/summary.json"));
+        let own = &summary["verification"][0];
+        let [found, bound] = ["found", "bound"].map(|key| own[key].as_f64().unwrap());
+        (found, bound, own["of"].as_str().unwrap().to_owned())
+    };
+    let (first, bound, of) = tip("first");
+    assert_eq!(of, "the tip's travel, terms left out");
+    let left_out = bench.number("first", "second_order/left_out");
+    let (full, least, of) = tip("full");
+    assert_eq!(of, "the tip's travel");
+    assert!(first > least && full < 0.1 * first, "{first} {full} {least}");
+    assert!(bound < least + 3.1 * left_out, "{bound} {least} {left_out}");
+}
