@@ -115,7 +115,7 @@ fn swept(is_of_motor: bool) -> impl Iterator<Item = &'static JointQuantity> {
 }
 
 /// Name of a column of an arm's carriage, from that of a hub.
-pub(crate) fn column_of_carriage(of_hub: &str) -> String {
+pub fn column_of_carriage(of_hub: &str) -> String {
     let named = Joint::Prismatic(Carriage::default()).named(of_hub);
     // Times and powers have no word of the carriage in their names.
     if named == of_hub { format!("carriage_{named}") } else { named }

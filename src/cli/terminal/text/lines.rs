@@ -138,10 +138,8 @@ pub(super) fn damping_line(link: &Link, law: &DampingLaw, frequencies_rad_s: &[f
 
 /// Several numbers with `digits` significant digits each, a dash for a missing one.
 pub(super) fn list(values: &[f64], digits: usize) -> String {
-    let text = |value: &f64| match value.is_nan() {
-        true => "-".to_owned(),
-        false => significant(*value, digits),
-    };
+    let text =
+        |value: &f64| if value.is_nan() { "-".to_owned() } else { significant(*value, digits) };
     values.iter().map(text).collect::<Vec<_>>().join(" ")
 }
 
