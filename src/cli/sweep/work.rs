@@ -54,7 +54,9 @@ impl Cases<'_> {
             Some(torque) => self.play(case, torque, bytes),
             None => self.solve(case, bytes),
         });
-        Outcome::of(found, || self.remarks(case))
+        // A case that fails has no columns.
+        let has_column = |own: &Remark| *own != Remark::WithoutWeight;
+        Outcome::of(found, || self.remarks(case).into_iter().filter(has_column).collect())
     }
 
     /// The link or the arm of a case with its motion.

@@ -209,7 +209,7 @@ pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
         all_limits.push(own.limits);
         remarks.extend(own.remarks);
     }
-    let carriage = raw.carriage.map(carriage);
+    let carriage = raw.carriage.as_ref().map(carriage);
     match (carriage, raw.limits) {
         (Some(own), of_carriage) => all_limits.push(carriage_limits(own, of_carriage)?),
         (None, Some(_)) => {
@@ -229,7 +229,7 @@ pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
 }
 
 /// The carriage of an arm.
-fn carriage(raw: RawArmCarriage) -> ArmCarriage {
+fn carriage(raw: &RawArmCarriage) -> ArmCarriage {
     let (mass_kg, viscous_friction_n_s_m) = (raw.mass.si(), raw.viscous_friction.si());
     let carriage = Carriage { mass_kg, viscous_friction_n_s_m };
     ArmCarriage { carriage, axis: raw.axis.map_or([1.0, 0.0], |Axis(axis)| axis) }

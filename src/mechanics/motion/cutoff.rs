@@ -384,7 +384,7 @@ mod tests {
         };
         let (coarse, dense) = (sampled(1), sampled(16));
         let found = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5].map(|tolerance| coarse.cutoff(tolerance));
-        let near = found.iter().filter(|own| own.shortfall.is_none()).next_back().unwrap();
+        let near = found.iter().rfind(|own| own.shortfall.is_none()).unwrap();
         let (given, len) = (dense.grid().len, 4 * dense.grid().len);
         let period = dense.over_period(len, given.midpoint(len), Cutoff::ALL);
         let (residual, ..) = Residual::bracketed(&period.spectrum, f64::MIN_POSITIVE);

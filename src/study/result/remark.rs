@@ -329,7 +329,7 @@ impl Remark {
             Self::UnknownSection { .. } => {
                 "set E and density with section, or with I and area: the share is then estimated"
             }
-            Self::WithoutWeight => "compute those with the weight with modes",
+            Self::WithoutWeight => "modes prints those with the weight",
         }
     }
 }
