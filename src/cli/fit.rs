@@ -129,6 +129,10 @@ pub(crate) struct Fit {
     warnings: WarningArgs,
 }
 
+/// Remedy for the weight of a link on a carriage.
+const WEIGHTLESS: &str =
+    "fit computes no weight: measure the link across gravity, or compare modes of the fitted link";
+
 /// A link or an arm, its free values, and the measurements to fit.
 pub struct Problem {
     link: InputFile,
@@ -163,7 +167,8 @@ impl Fit {
                 "records are of the link with its hysteretic ratio as the viscous ratio of each mode",
             );
         }
-        let of_gravity = problem.own.arm.alone().map_or(0, warn_of_gravity);
+        let of_gravity =
+            problem.own.arm.alone().map_or(0, |link| warn_of_gravity(link, WEIGHTLESS));
         let (replaced, written) = self.write(&problem, &outcome)?;
         let warnings = of_gravity + tell(&problem.own.arm.joint(), &outcome, &replaced, &written)?;
         self.warnings.refuse(warnings)

@@ -22,7 +22,7 @@ use crate::text::{given, significant};
 
 use super::modes::falling;
 use crate::cli::options::common::{angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, NO_DIRECTION, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::keep_files;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 
@@ -113,8 +113,8 @@ pub struct Responses {
     pub error: Option<BandMeshError>,
     /// True if the links leave the pose with free joints.
     falls: bool,
-    /// True if the weight counts.
-    has_weight: bool,
+    /// Remedy for a weight that does not count.
+    weightless: Option<&'static str>,
 }
 
 impl Frf {
@@ -125,7 +125,7 @@ impl Frf {
         let (_, specification) = self.link.load()?;
         let bar = StageBar::new();
         bar.at("computing responses");
-        let Responses { columns, error, falls, has_weight } = self.compute(&specification)?;
+        let Responses { columns, error, falls, weightless } = self.compute(&specification)?;
         drop(bar);
         let output = self.output.as_deref();
         if self.json {
@@ -134,7 +134,7 @@ impl Frf {
             let digits = self.digits;
             console::deliver_by(output, |out| write_frequency_response(out, &columns, digits))?;
         }
-        self.warnings.refuse(self.tell(&specification, error, [falls, has_weight]))
+        self.warnings.refuse(self.tell(&specification, error, (falls, weightless)))
     }
 
     /// The response of a link without gravity, of a link on a carriage with its weight, or of a link or an arm in a pose.
@@ -168,7 +168,7 @@ impl Frf {
             columns: arm_response(&found),
             error: BandMeshError::of_errors(errors, Refined::Orders),
             falls: free.falls(),
-            has_weight: true,
+            weightless: None,
         })
     }
 
@@ -185,7 +185,15 @@ impl Frf {
         let has_all = specification.analysis.kept_modes() == KeptModes::All;
         let weighed = Some(model.on_mesh()).filter(|_| has_all);
         let weighed = weighed.and_then(|link| responses_with_weight(link, &frequencies_hz));
-        let has_weight = weighed.is_some();
+        let weightless = match &weighed {
+            Some(_) => None,
+            None if link.direction_rad().is_none() => Some(NO_DIRECTION),
+            None if !has_all => Some("leave analysis.modes out: the weight then counts"),
+            None if model.law().is_modal() => {
+                Some("use hysteretic or rayleigh damping, or modes, which has the weight")
+            }
+            None => Some("lower --to, or use fewer elements: above 256 the weight does not count"),
+        };
         let (rows, changes) = if let Some(weighed) = weighed {
             weighed
         } else {
@@ -201,13 +209,13 @@ impl Frf {
             changes.iter().map(|change| per_change * change).collect()
         });
         let known = frequencies_hz.iter().copied().zip(errors.iter().flatten().copied());
-        let outward_m_s2 = link.outward_m_s2().filter(|_| has_weight);
-        let share = outward_m_s2.and_then(|own| buckling_share(model.mesh(), own));
+        let outward_m_s2 = link.outward_m_s2().filter(|_| weightless.is_none());
+        let share = outward_m_s2.map(|own| buckling_share(model.mesh(), own));
         Ok(Responses {
             error: BandMeshError::of_errors(known, Refined::Elements),
             columns: link_response(link, &rows, errors.as_deref()),
             falls: share.is_some_and(|share| share >= 1.0),
-            has_weight,
+            weightless,
         })
     }
 
@@ -249,7 +257,7 @@ impl Frf {
         &self,
         Specification { arm, remarks, .. }: &Specification,
         error: Option<BandMeshError>,
-        [falls, has_weight]: [bool; 2],
+        (falls, weightless): (bool, Option<&str>),
     ) -> usize {
         let mut warnings = 0;
         // Without --at the remarks of a link file are those of `modes` and `solve`.
@@ -257,9 +265,14 @@ impl Frf {
             console::remarks(remarks);
         }
         match error {
-            None => console::note(
-                "the mesh error is not known: modal damping allows no halved elements here",
-            ),
+            None => {
+                let has_weight = weightless.is_none() && arm.has_weight();
+                console::note(if has_weight {
+                    "the mesh error is not known: halved elements are more than 256, the most with weight"
+                } else {
+                    "the mesh error is not known: modal damping allows no halved elements here"
+                });
+            }
             Some(BandMeshError { warning: Some(warning), .. }) => {
                 console::warning(warning, warning.hint());
                 warnings += 1;
@@ -281,7 +294,7 @@ impl Frf {
             };
             console::warning(words, hint);
         }
-        let level = (!has_weight).then(|| warn_of_gravity(&arm.links()[0].link));
+        let level = weightless.map(|remedy| warn_of_gravity(&arm.links()[0].link, remedy));
         warnings + usize::from(falls) + level.unwrap_or_default()
     }
 }

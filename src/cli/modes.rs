@@ -18,7 +18,7 @@ use crate::spec::Specification;
 use crate::store::modes_json;
 
 use crate::cli::options::common::{SyncArgs, angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, NO_DIRECTION, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::check_folder;
 use crate::cli::terminal::text::modes_text;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
@@ -395,8 +395,8 @@ fn tell(Specification { arm, remarks, .. }: &Specification, found: &ModesResult)
     warnings += coarse.len();
     console::warnings(coarse);
     let falls = [&found.free, &found.held].map(SettledModes::falls);
-    let level =
-        (found.setting == Setting::Weightless).then(|| warn_of_gravity(&arm.links()[0].link));
+    let level = (found.setting == Setting::Weightless)
+        .then(|| warn_of_gravity(&arm.links()[0].link, NO_DIRECTION));
     warnings + warn_of_fall(arm, falls) + level.unwrap_or_default()
 }
 

@@ -10,6 +10,7 @@ use super::tip::{at_times, motion_formula};
 use super::view::{COLOURS, View, peak_words};
 use super::words::{cited, formula};
 use crate::elastica::SecondOrder;
+use crate::link::{Carriage, Joint};
 use crate::numeric::largest;
 use crate::result::{JointQuantity, StoredJoint, StoredNodes};
 use crate::text::significant;
@@ -88,11 +89,14 @@ pub(super) fn carriage(view: &View) -> Vec<Figure> {
     caption.push_str(&Curve::add_limit(&mut places, travel, ("", "m"), 1));
     let title = "Place of the carriage";
     let place = view.figure("carriage", title, caption, ("place", "m"), places);
+    let joint = Joint::Prismatic(Carriage::default());
     let limited = OF_CARRIAGE.iter().filter_map(|[key, title, axis, unit]| {
         let limit = own.limits.of(key)?;
         let Limited { of, .. } = LIMITED.iter().find(|topic| topic.quantity.1 == *key)?;
         let mut curves = lines("flexible arm", *of);
-        let mut caption = format!("At most {} {unit}.", significant(largest(&of(own)?), 4));
+        let name = JointQuantity::of_limit(key)?.column(None);
+        let peak = peak_words(own.reading(&joint.named(&name)), &of(own)?);
+        let mut caption = format!("At most {peak} {unit}.");
         caption.push_str(&Curve::add_limit(&mut curves, (Some(limit), 0.0), ("", unit), 1));
         let id = format!("carriage-{axis}");
         Some(view.figure(id, title, caption, (axis, unit), curves))

@@ -13,8 +13,9 @@ use super::tables::{readings, table};
 use super::view::nearest;
 use super::words::warning_meaning;
 use crate::compare::{Cell, Table, TableColumn};
-use crate::link::Link;
+use crate::link::{Carriage, Joint, Link};
 use crate::result::StoredSweep;
+use crate::sweep::column_of_carriage;
 use crate::text::significant;
 
 /// Largest number of lines in a figure; more cannot be distinguished.
@@ -146,10 +147,9 @@ fn figure(drawn: &Drawn, x: &Varied, lines: Vec<Line>) -> Figure {
         Curve { name, stroke: Stroke::Dotted(k + 1), points }
     };
     let curves = lines.into_iter().enumerate().map(curve).collect();
-    let Drawn { topic, id, title, .. } = drawn;
-    let caption = topic.caption.to_owned();
-    Figure::of_curves(id.clone(), title, caption, x.axis(0.03), topic.quantity, curves)
-        .by(topic.formula)
+    let Drawn { id, title, .. } = drawn;
+    let [caption, name, unit, formula] = drawn.texts();
+    Figure::of_curves(id.clone(), title, caption, x.axis(0.03), (&name, &unit), curves).by(formula)
 }
 
 /// A line for each column.
@@ -166,7 +166,7 @@ pub(super) const FINE: (usize, usize) = (480, 160);
 
 /// A heat map of the first column; the field of a case extends half-way to its neighbours.
 fn over_two(drawn: &Drawn, [x, y]: [&Varied; 2]) -> Figure {
-    let (topic, column) = (drawn.topic, drawn.columns[0].1);
+    let ([caption, name, unit, formula], column) = (drawn.texts(), drawn.columns[0].1);
     let place = |varied: &Varied, case: usize| {
         varied.levels.iter().position(|level| level.total_cmp(&varied.values[case]).is_eq())
     };
@@ -179,8 +179,8 @@ fn over_two(drawn: &Drawn, [x, y]: [&Varied; 2]) -> Figure {
     let (columns, rows) = (fields(x, FINE.0), fields(y, FINE.1));
     let row = |j: &usize| columns.iter().map(|i| found[*j][*i]).collect();
     let map = ColourMap {
-        name: topic.quantity.0.to_owned(),
-        unit: topic.quantity.1.to_owned(),
+        name,
+        unit,
         colours: Colours::Sequential,
         rows: rows.iter().map(row).collect(),
         fields: Some(Fields {
@@ -189,13 +189,10 @@ fn over_two(drawn: &Drawn, [x, y]: [&Varied; 2]) -> Figure {
         }),
     };
     let title = format!("{}, over two values", drawn.title);
-    let caption = format!(
-        "{} Each field is a case; empty where there is none.{}",
-        topic.caption,
-        map.range_words()
-    );
+    let caption =
+        format!("{caption} Each field is a case; empty where there is none.{}", map.range_words());
     let figure = Figure::new(drawn.id.clone(), &title, caption, field_axis(x), field_axis(y));
-    Figure { map: Some(map), ..figure }.by(topic.formula)
+    Figure { map: Some(map), ..figure }.by(formula)
 }
 
 /// Axis of a heat map, which extends half a field beyond the first and the last level.
@@ -254,33 +251,77 @@ struct Topic {
 /// One figure of a topic.
 struct Drawn<'a> {
     topic: &'static Topic,
+    of: Of,
     id: String,
     title: String,
     /// Columns of the table, each with its name in the legend.
     columns: Vec<(String, &'a TableColumn)>,
 }
 
+/// Whose numbers a figure shows.
+#[derive(Clone, Copy, PartialEq)]
+enum Of {
+    /// A link, or the tip of an arm.
+    Link,
+    /// A joint of an arm, by its number from 1.
+    Joint(usize),
+    /// The carriage of an arm.
+    Carriage,
+}
+
+/// A text on a hub in the words of a carriage.
+fn on_carriage(text: &str) -> String {
+    let symbols = ["T(", "|T|", "T_rigid", "max T", "min T"];
+    let text =
+        symbols.iter().fold(text.to_owned(), |text, own| text.replace(own, &own.replace('T', "F")));
+    let text = text.replace(", or at the joint of an arm", "");
+    Joint::Prismatic(Carriage::default()).worded(&text)
+}
+
+impl Drawn<'_> {
+    /// Caption, name and unit of the y axis, and formula.
+    fn texts(&self) -> [String; 4] {
+        let Topic { caption, quantity: (name, unit), formula, .. } = self.topic;
+        [caption, name, unit, formula].map(|text| match self.of {
+            Of::Carriage => on_carriage(text),
+            _ => (*text).to_owned(),
+        })
+    }
+}
+
 impl Topic {
-    /// Figures of the topic: one for a link, one for each joint of an arm.
+    /// Figures of the topic: one for a link, one for each joint of an arm and for its carriage.
     fn drawn<'a>(&'static self, table: &'a Table) -> Vec<Drawn<'a>> {
-        let of = |joint: Option<usize>| -> Option<Drawn<'a>> {
-            let number = joint.map(|joint| joint.to_string()).unwrap_or_default();
+        let of = |of: Of| -> Option<Drawn<'a>> {
             let column = |([quantity, unit], name): &([&str; 2], &str)| {
-                let column = table.column(&format!("{quantity}{number}{unit}"))?;
+                let of_hub = format!("{quantity}{unit}");
+                let column = match of {
+                    // A link has the columns of its joint.
+                    Of::Link => table.column(&of_hub).or_else(|| {
+                        table.column(&Joint::Prismatic(Carriage::default()).named(&of_hub))
+                    }),
+                    Of::Joint(joint) => table.column(&format!("{quantity}{joint}{unit}")),
+                    Of::Carriage => table.column(&column_of_carriage(&of_hub)),
+                }?;
                 let has_number = (0..table.lines.len()).any(|row| column.number(row).is_finite());
                 has_number.then(|| ((*name).to_owned(), column))
             };
             let columns: Vec<_> = self.columns.iter().filter_map(column).collect();
-            let of_joint = |text: &str| joint.map(|joint| format!("{text}{joint}"));
-            (!columns.is_empty()).then(|| Drawn {
-                topic: self,
-                id: self.id.to_owned() + &of_joint("-joint-").unwrap_or_default(),
-                title: self.title.to_owned() + &of_joint(", joint ").unwrap_or_default(),
-                columns,
-            })
+            let [id, title] = match of {
+                Of::Link => [self.id, self.title].map(str::to_owned),
+                Of::Joint(joint) => {
+                    [format!("{}-joint-{joint}", self.id), format!("{}, joint {joint}", self.title)]
+                }
+                Of::Carriage => {
+                    [format!("{}-carriage", self.id), on_carriage(self.title) + ", carriage"]
+                }
+            };
+            (!columns.is_empty()).then_some(Drawn { topic: self, of, id, title, columns })
         };
-        let of_joints = (1..).map_while(|joint| of(Some(joint)));
-        of(None).into_iter().chain(of_joints).collect()
+        let mut drawn: Vec<_> = (1..).map_while(|joint| of(Of::Joint(joint))).collect();
+        let whole = if drawn.is_empty() { Of::Link } else { Of::Carriage };
+        drawn.extend(of(whole));
+        drawn
     }
 }
 

@@ -573,6 +573,9 @@ fn a_page_speaks_of_force_and_carriage() {
             assert!(!text.contains(word), "{word} in {text}");
         }
     }
+    for words in ["Peak force\n", "Peak force, flexible over rigid", "Largest force"] {
+        assert!(sweep.contains(words), "{words}: {sweep}");
+    }
     for words in [
         "Force on the carriage",
         "force in N\n",
@@ -647,6 +650,17 @@ fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {
     };
     let text = stderr(&succeeded(solve(0.65)));
     assert!(!text.contains("buckle"), "{text}");
+    // On pieces as on a whole link.
+    let modulus = 12.0 * 7870.0 * 9.81 * 0.52_f64.powi(3) / (1e-6 * 7.8373 * 0.985);
+    let section = "section={shape='rectangle',width='80 mm',thickness='1 mm'}";
+    let piece = format!("{{length='1.3 mm',{section},E={modulus},density=7870}}");
+    let pieces = vec![piece; 400].join(",");
+    bench.write(
+        "pieces.toml",
+        &format!("gravity=[0,-9.81]\nstart_angle='90 deg'\nsegments=[{pieces}]\ncarriage.mass=5\n"),
+    );
+    let text = stderr(&ended(4, bench.run("solve pieces.toml slow.csv -o out")));
+    assert!(text.contains("the weight is 0.985 of the one that buckles the link"), "{text}");
     let text = stderr(&succeeded(solve(0.75)));
     assert!(text.contains("the weight is 0.75 of the one that buckles the link"), "{text}");
     let text = stderr(&ended(4, solve(0.985)));
@@ -668,6 +682,12 @@ fn a_state_of_another_direction_or_of_a_hub_is_refused() {
     let hanging = format!("{sheet} --state state.json --set start_angle=0");
     let told = stderr(&ended(3, bench.run(&hanging)));
     assert!(told.contains("the state has the direction 90 deg, but must have 0 deg"), "{told}");
+    let ends = |turned: &str| {
+        bench.done(&format!("{sheet} --state state.json {turned}"));
+        bench.number("out", "results/peak_carriage_travel_m")
+    };
+    let (own, turned) = (ends(""), ends("--set start_angle=7.853981633974483"));
+    assert!((turned / own - 1.0).abs() < 1e-9, "{turned} a turn on, {own}");
     let text = bench.read("state.json");
     let at = text.find("\"carriage\"").unwrap();
     let (before, after) = (&text[..at], &text[at..]);
@@ -888,6 +908,12 @@ fn a_sweep_of_an_arm_on_a_carriage_has_the_numbers_of_the_carriage() {
         let at = rows[0].iter().position(|own| *own == name).unwrap();
         [1, 2].map(|row: usize| rows[row][at].parse().unwrap())
     };
+    bench.done("report sweep.csv -o sweep.html");
+    let page = texts(&bench.read("sweep.html"));
+    for words in ["Peak torque, joint 2", "Peak force, carriage", "Lead, carriage", "force in N\n"]
+    {
+        assert!(page.contains(words), "{words}: {page}");
+    }
     let (force, lead) = (of("peak_force_n"), of("carriage_lead_s"));
     assert!(force[0] < force[1] && lead.iter().all(|lead| lead.is_finite()), "{force:?} {lead:?}");
     let torque = of("peak_torque1_n_m");
@@ -917,6 +943,11 @@ fn what_an_arm_on_a_carriage_does_not_take_is_refused_in_words() {
         ),
         (3, format!("solve {GANTRY} --set carriage.mass=-1"), "carriage.mass = -1 kg, but must"),
         (3, format!("solve {GANTRY} --set carriage.root_stiffness=1"), "is for one link"),
+        (
+            3,
+            format!("solve {GANTRY} --set carriage.colour=1"),
+            "known here: mass, viscous_friction and axis\n",
+        ),
         (3, format!("solve {GANTRY} --set limits.deflection=1"), "is a limit of a link"),
         (3, format!("solve {GANTRY} --set limits.motor_rate=1"), "must come with a [drive]"),
         (3, format!("solve {GANTRY} --set carriage.axis=[1,0,0]"), "must hold two numbers"),
@@ -1011,6 +1042,20 @@ fn a_mast_beyond_its_buckling_weight_falls_with_a_word() {
     let told =
         stderr(&succeeded(bench.run(&format!("simulate {sheet} out/force.csv {heavy} -o fallen"))));
     assert!(told.contains("the weight is 1.16 of the weight that buckles the link"), "{told}");
+    // The modes keep their numbers: the first has no period, and the second that of `modes`.
+    let periods = bench.json("fallen/summary.json")["periods_s"].clone();
+    let modes = bench.printed(&format!("modes {sheet} {heavy} --json"));
+    let second = serde_json::from_str::<serde_json::Value>(&modes).unwrap();
+    let second_s = second["free"]["frequency_hz"][1].as_f64().unwrap().recip();
+    assert!(periods[0].is_null(), "{periods}");
+    assert!((periods[1].as_f64().unwrap() / second_s - 1.0).abs() < 1e-4, "{periods} {second_s}");
+    bench.done("trajectory septic --distance 0.001 --duration 0.1 --step 0.005 -o short.csv");
+    bench.sampled("force.csv", "time,force", 0..=4, |k| [0.02 * k, k * (4.0 - k)]);
+    bench.done(&format!(
+        "sweep {sheet} short.csv --torque force.csv --vary gravity.1=-9.81,-130 -o s.csv"
+    ));
+    let periods = bench.numbers("s.csv", "period_1_s");
+    assert!((periods[0] - 0.349_789_33).abs() < 1e-7 && periods[1].is_nan(), "{periods:?}");
     let told = stderr(&succeeded(bench.run(&format!("frf {sheet} {heavy} --points 3"))));
     assert!(told.contains("it responds so only under control"), "{told}");
     let told = stderr(&ended(
@@ -1191,4 +1236,107 @@ fn a_path_moves_the_carriage_of_an_arm_along_within_its_limits() {
         let told = stderr(&ended(exit, bench.run(&words)));
         assert!(told.contains(expected), "{words}: {told}");
     }
+}
+
+/// The hint names the setting that keeps the weight out, not one that is there.
+#[test]
+fn a_weight_that_frf_and_fit_leave_out_has_the_remedy_of_its_reason() {
+    let bench = Bench::new();
+    let modal = "damping={model='modal',ratio=0.01}";
+    bench.write("measured.toml", "[[frequency]]\nmode = 1\ncarriage = 'held'\nvalue = 2.9354\n");
+    for (words, remedy) in [
+        (format!("frf {MAST} --set gravity=[0,-9.81]"), Some("set start_angle")),
+        (format!("frf {SHEET} --set analysis.modes=2"), Some("leave analysis.modes out")),
+        (format!("frf {SHEET} --set {modal}"), Some("use hysteretic or rayleigh damping")),
+        (format!("frf {SHEET} --set mesh.elements=300"), Some("lower --to, or use fewer")),
+        (format!("frf {SHEET} --set mesh.elements=100"), None),
+        (format!("modes {MAST} --set gravity=[0,-9.81]"), Some("set start_angle")),
+        (format!("fit {SHEET} measured.toml --free segments.*.E"), Some("fit computes no weight")),
+    ] {
+        let told = stderr(&succeeded(bench.run(&words)));
+        let is_left_out = told.contains("those here are without it");
+        assert_eq!(is_left_out, remedy.is_some(), "{words}: {told}");
+        assert!(told.contains(remedy.unwrap_or_default()), "{words}: {told}");
+        let sets = told.contains("set start_angle");
+        assert_eq!(sets, remedy == Some("set start_angle"), "{words}: {told}");
+    }
+    // 200 elements have their weight, but not their halves.
+    let told = stderr(&succeeded(bench.run(&format!("frf {SHEET} --set mesh.elements=200"))));
+    assert!(
+        told.contains("halved elements are more than 256") && !told.contains("modal"),
+        "{told}"
+    );
+}
+
+#[test]
+fn the_page_of_an_arms_carriage_has_the_peak_of_the_summary() {
+    let bench = Bench::new();
+    bench.done(&format!("solve {GANTRY} --set limits.carriage_speed=3 -o out --quiet"));
+    let peak =
+        bench.json("out/summary.json")["results"]["carriage"]["peak_carriage_speed_m_s"].clone();
+    // A peak between two samples.
+    let text = bench.read("out/summary.json").replace(&peak.to_string(), "2.8125");
+    bench.write("out/summary.json", &text);
+    bench.done("report out -o page.html");
+    let page = texts(&bench.read("page.html"));
+    assert!(page.contains("At most 2.812 m/s."), "{page}");
+}
+
+#[test]
+fn a_refused_motion_of_a_station_is_one_of_the_output() {
+    let bench = Bench::new();
+    bench.sampled("tip.csv", "time,displacement", 0..=20, |k| [0.1 * k, 0.01 * k * k]);
+    let solve = format!("solve {MAST} tip.csv --set output.at=4");
+    let told = stderr(&ended(3, bench.run(&solve)));
+    assert!(
+        told.contains("error: tip.csv:") && told.contains("bring the output to rest"),
+        "{told}"
+    );
+    assert!(!told.replace("tip.csv", "").contains("tip"), "{told}");
+}
+
+/// Zeros and periods in the columns of a sweep have the weight of a link that keeps its direction alone.
+#[test]
+fn a_sweep_tells_that_its_columns_leave_the_weight_out() {
+    let bench = Bench::new();
+    bench.done("trajectory septic --distance 0.05 --duration 1.5 --step 0.005 -o slow.csv");
+    let told = |words: &str| stderr(&succeeded(bench.run(&format!("{words} -o s.csv"))));
+    let on_hub = format!("sweep {HUB} slow.csv --vary payload.mass=0,0.1");
+    let weight = "--set gravity=[0,-9.81] --set start_angle=-1.5";
+    let remark = "those without gravity";
+    assert!(told(&format!("{on_hub} {weight}")).contains(remark));
+    assert!(!told(&on_hub).contains(remark));
+    let on_carriage = format!("sweep {SHEET} slow.csv --vary carriage.mass=5,6");
+    assert!(!told(&on_carriage).contains(remark));
+    assert!(told(&format!("{on_carriage} --set mesh.elements=70")).contains(remark));
+    bench.done(&format!("solve {HUB} slow.csv {weight} -o out --quiet"));
+    assert!(told(&format!("{on_hub} {weight} --torque out/torque.csv")).contains(remark));
+}
+
+/// The play of `verify` has all terms: an answer of first order is off by those that `solve` states as left out.
+#[test]
+fn an_answer_of_first_order_is_verified_within_the_terms_left_out() {
+    let bench = Bench::new();
+    bench.done("trajectory septic --distance 0.15 --duration 0.7 --step 0.005 -o fast.csv");
+    let solve = |order: &str| {
+        let order = format!("--set analysis.second_order={order} --verify -o {order}");
+        bench.run(&format!("solve {SHEET} fast.csv {order} --quiet"))
+    };
+    succeeded(solve("first"));
+    succeeded(solve("full"));
+    let told = stderr(&ended(4, solve("none")));
+    assert!(told.contains("tip, the carriage moved as solved"), "{told}");
+    let tip = |order: &str| {
+        let summary = bench.json(&format!("{order}/summary.json"));
+        let own = &summary["verification"][0];
+        let [found, bound] = ["found", "bound"].map(|key| own[key].as_f64().unwrap());
+        (found, bound, own["of"].as_str().unwrap().to_owned())
+    };
+    let (first, bound, of) = tip("first");
+    assert_eq!(of, "the tip's travel, terms left out");
+    let left_out = bench.number("first", "second_order/left_out");
+    let (full, least, of) = tip("full");
+    assert_eq!(of, "the tip's travel");
+    assert!(first > least && full < 0.1 * first, "{first} {full} {least}");
+    assert!(bound < least + 3.1 * left_out, "{bound} {least} {left_out}");
 }

@@ -88,20 +88,24 @@ pub(crate) fn refuse_direction(arm: &Arm) -> Result<(), Failure> {
     Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
 }
 
-/// Warns that frequencies exclude gravity, if it acts; returns the number of warnings.
-pub(crate) fn warn_of_gravity(link: &Link) -> usize {
+/// Warns that frequencies exclude gravity, if it acts; returns the number of warnings. `of_carriage` is the remedy for a link
+/// on a carriage.
+pub(crate) fn warn_of_gravity(link: &Link, of_carriage: &str) -> usize {
     if !link.has_weight() {
         return 0;
     }
     let left_out = "gravity changes natural frequencies and zeros with the link's direction: those here are without it";
-    let hint = if link.joint().slides() {
-        "set start_angle, and compute those with the weight with modes; --set 'gravity=[0, 0]' is a horizontal plane"
+    let remedy = if link.joint().slides() {
+        of_carriage
     } else {
-        "compute those of one direction with modes --at ANGLE; --set 'gravity=[0, 0]' is a horizontal plane"
+        "compute those of one direction with modes --at ANGLE"
     };
-    console::warning(left_out, hint);
+    console::warning(left_out, &format!("{remedy}; --set 'gravity=[0, 0]' is a horizontal plane"));
     1
 }
+
+/// Remedy for a link on a carriage without a direction.
+pub(crate) const NO_DIRECTION: &str = "set start_angle: the weight then counts";
 
 /// The step of a trajectory, and what its samples are worth.
 #[derive(Debug, Args)]
@@ -133,6 +137,17 @@ pub struct ResampleArgs {
     /// this option.
     #[arg(long, conflicts_with_all = ["noise", "periodic"])]
     moving_ends: bool,
+}
+
+/// A failure of a file in the words of the joint and the output. The name of the file stays.
+pub(crate) fn worded(failure: Failure, file: &InputFile, arm: &Arm) -> Failure {
+    let (name, rest) = match failure.message.strip_prefix(&file.shown) {
+        Some(rest) => (&*file.shown, rest),
+        None => ("", &*failure.message),
+    };
+    let message = name.to_owned() + &arm.worded(rest);
+    let hint = failure.hint.map(|hint| arm.worded(&hint));
+    Failure { message, hint, ..failure }
 }
 
 /// The wanted motion, and the rows of its samples.
@@ -198,15 +213,16 @@ impl ResampleArgs {
         let (lengths_m, format) = (arm.lengths_m(), self.format(read));
         let table = read_motion_table_as(&file.shown, &file.bytes, &lengths_m, &format);
         let table = table.map_err(|error| {
-            let failure = Failure::from(error);
+            let failure = worded(error.into(), file, arm);
             // Places turn about a hub; a carriage has none.
             let is_turned = arm.joint().slides() && failure.message.contains(" x and y ");
             let hint = "write the motion as displacement: a link on a carriage does not turn";
             let hint = is_turned.then(|| hint.to_owned()).or(failure.hint);
-            Failure { message: arm.worded(&failure.message), hint, ..failure }
+            Failure { hint, ..failure }
         })?;
         let reading = table.reading().clone();
-        Ok((self.motion_in(table, Some(arm))?, reading))
+        let wanted = self.motion_in(table, Some(arm));
+        Ok((wanted.map_err(|failure| worded(failure, file, arm))?, reading))
     }
 
     /// The options for a table.

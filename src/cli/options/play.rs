@@ -15,7 +15,7 @@ use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
 use super::common::{angle_rad, finite, option, quantity};
-use super::inputs::{ReadArgs, tell};
+use super::inputs::{ReadArgs, tell, worded};
 use super::moves::{AtRest, Begins, Moves, Moving};
 use crate::cli::terminal::{Exit, Failure, console};
 
@@ -112,9 +112,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "NAME")]
     column: Option<String>,
 
-    /// Time in s at which the simulation ends; after the last sample of TORQUE no torque acts, or with
-    /// gravity the last one
-    /// [default: the end of TORQUE or of the target, whichever is later].
+    /// End of the simulation, in s. After the last sample of TORQUE the torque is zero; with gravity the last
+    /// torque stays [default: the end of TORQUE, or of the target if that is later].
     #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
     pub(crate) until: Option<f64>,
 
@@ -154,14 +153,14 @@ pub(crate) struct PlayArgs {
     #[arg(value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<Gains>,
 
-    /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, or the joints of an arm, as its
-    /// `joint_angles.csv`, or the position of the carriage, as `carriage.csv`, at the times of TORQUE. For an arm on a carriage
-    /// both are in one table, or carriage.csv is beside the file. The link starts at its first angle or position.
+    /// Motion that the feedback follows (CSV), at the times of TORQUE: `hub_angle.csv` of solve, `joint_angles.csv` for
+    /// an arm, `carriage.csv` for a carriage; for an arm on a carriage both in one table, or carriage.csv beside the file.
+    /// The simulation starts at its first row.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
 
-    /// Directions of all links of an arm, from joint to joint, in which it starts at rest, in rad or with
-    /// units, as in '30 deg,75 deg' [default: the first row of the reference, or of the target of two links].
+    /// Pose in which an arm starts at rest: the direction of each link, from its joint to the next one, in rad or with
+    /// units, as in '30 deg,75 deg' [default: the first row of the reference; for two links also of the target].
     #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',', conflicts_with = "state")]
     at: Option<Vec<f64>>,
@@ -227,7 +226,9 @@ impl PlayArgs {
         let target = target_file.as_ref().map(|file| -> Result<TipPlaces, Failure> {
             let (target, reading) = match link {
                 Some(link) => {
-                    let (target, reading) = read_target(&file.shown, &file.bytes, link)?;
+                    let target = read_target(&file.shown, &file.bytes, link);
+                    let (target, reading) =
+                        target.map_err(|error| worded(error.into(), file, arm))?;
                     start_angle_rad = target.start_angle_rad();
                     (TipPlaces::from(&target), reading)
                 }

@@ -236,7 +236,9 @@ impl<'a> Cases<'a> {
             let tolerance = own.analysis.tip_tolerance();
             Remark::on_motion(&own.arm, &motion, motion.largest_travel_m(), tolerance)
         });
-        [remarks, of_modes, of_motion.unwrap_or_default()].concat()
+        let weight = Remark::on_weight(&own.arm, own.link().direction_rad().is_some());
+        let weight = weight.into_iter().collect();
+        [remarks, of_modes, of_motion.unwrap_or_default(), weight].concat()
     }
 
     /// The motion of a case, which scales it.

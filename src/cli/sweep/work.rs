@@ -4,8 +4,9 @@ use std::path::Path;
 
 use crate::elastica::SecondOrder;
 use crate::inverse::Resources;
+use crate::modal::reports_weight;
 use crate::motion::{Ends, Motion, Prescribed};
-use crate::response::{Input, Play, Start, simulate};
+use crate::response::{Input, Play, PlayedLink, Start, simulate};
 use crate::result::{FollowedTarget, Notice, Remark, TipPlaces};
 use crate::spec::Specification;
 use crate::store::{OutputFolder, PlayedRun, RunInputs, SimulateFiles, Simulated};
@@ -52,7 +53,9 @@ impl Cases<'_> {
             Some(efforts) => self.play(case, efforts, bytes),
             None => self.solve(case, bytes),
         });
-        Outcome::of(found, || self.remarks(case))
+        // A case that fails has no columns.
+        let has_column = |own: &Remark| *own != Remark::WithoutWeight;
+        Outcome::of(found, || self.remarks(case).into_iter().filter(has_column).collect())
     }
 
     /// The link or the arm of a case with its motion.
@@ -83,7 +86,8 @@ impl Cases<'_> {
         let limits = exceeded.iter().map(|own| of_limit(own, &solution.arm).worded(&solution.arm));
         let notices = notices.chain(limits).collect();
         // The tally alone does not need a link's modes above the first.
-        let remarks = solved.remarks_on(Some(found.first_rad_s.as_slice()));
+        let mut remarks = solved.remarks_on(Some(found.first_rad_s.as_slice()));
+        remarks.extend(Remark::on_weight(&solution.arm, solution.links[0].reports_weight()));
         Ok((numbers, notices, remarks))
     }
 
@@ -156,7 +160,9 @@ impl Cases<'_> {
             run.write(inputs, &outputs, || self.stage(&folder))?;
         }
         let notices = run.notices(|limit| of_limit(limit, &own.arm));
-        Ok((numbers, notices, remarks.clone()))
+        let PlayedLink { mesh, outward_m_s2, .. } = &played.links[0];
+        let weight = Remark::on_weight(&own.arm, reports_weight(mesh, *outward_m_s2));
+        Ok((numbers, notices, remarks.iter().cloned().chain(weight).collect()))
     }
 
     /// Opens the folder of a case. The command line does not name it, so it must not be a link to another place.

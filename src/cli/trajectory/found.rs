@@ -134,8 +134,10 @@ impl Search {
             let memory_bytes = memory::available();
             shortest_fit(&FitProblem { arm, plans, analysis, memory_bytes, limits, motion })
         });
-        let (profile, fit) = found
-            .map_err(|failure| Failure { message: arm.worded(&failure.message), ..failure })?;
+        let (profile, fit) = found.map_err(|failure| {
+            let hint = failure.hint.map(|hint| arm.worded(&hint));
+            Failure { message: arm.worded(&failure.message), hint, ..failure }
+        })?;
         let values = Metrics::of(&fit.solution).limited(limits);
         let of = match along {
             Along::Arc(course) if course.ends() == Ends::Periodic => " each way",

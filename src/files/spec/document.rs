@@ -5,9 +5,9 @@ use serde::Deserialize;
 use super::convert::{LinkKeys, limits, link_keys};
 use super::error::{Fault, SpecError};
 use super::overrides::{Override, apply};
-use super::raw::{RawAnalysis, RawCarriage, RawLimits, RawMesh};
+use super::raw::{RawAnalysis, RawLimits, RawMesh};
 use super::tree::{Kind, Node, Place};
-use super::value::{AlongAxes, Angle, Axis, tables};
+use super::value::{AlongAxes, Angle, Axis, Mass, SlidingFriction, tables};
 use crate::beam::MeshPlan;
 use crate::inverse::Analysis;
 use crate::link::{Arm, ArmCarriage, ArmLink, ArmParts, Carriage, Elbow, Joint, Link};
@@ -57,7 +57,7 @@ struct RawArm {
     #[serde(rename = "start_angle")]
     _start_angle: Option<Angle>,
     elbow: Option<Elbow>,
-    carriage: Option<RawCarriage>,
+    carriage: Option<RawArmCarriage>,
     limits: Option<RawLimits>,
     #[serde(deserialize_with = "tables")]
     links: Vec<RawArmLink>,
@@ -65,6 +65,15 @@ struct RawArm {
     _mesh: RawMesh,
     #[serde(rename = "analysis")]
     _analysis: RawAnalysis,
+}
+
+/// `[carriage]` of an arm, on which its first joint stands.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
+struct RawArmCarriage {
+    mass: Mass,
+    viscous_friction: SlidingFriction,
+    axis: Option<Axis>,
 }
 
 /// Keys of an arm's link besides those of a link file.
@@ -158,6 +167,10 @@ pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
     if tree.get("links").is_none() {
         return link_keys(tree).map(of_one_link);
     }
+    if tree.get("carriage").is_some_and(|own| own.get("root_stiffness").is_some()) {
+        let message = "is for one link: the first joint of an arm stands on the carriage";
+        return Err(Fault::on("carriage.root_stiffness", message));
+    }
     let raw = RawArm::deserialize(tree)?;
     let count = raw.links.len();
     if count == 0 {
@@ -196,7 +209,7 @@ pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
         all_limits.push(own.limits);
         remarks.extend(own.remarks);
     }
-    let carriage = raw.carriage.as_ref().map(carriage).transpose()?;
+    let carriage = raw.carriage.as_ref().map(carriage);
     match (carriage, raw.limits) {
         (Some(own), of_carriage) => all_limits.push(carriage_limits(own, of_carriage)?),
         (None, Some(_)) => {
@@ -216,14 +229,10 @@ pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
 }
 
 /// The carriage of an arm.
-fn carriage(raw: &RawCarriage) -> Result<ArmCarriage, Fault> {
-    if raw.root_stiffness.is_some() {
-        let message = "is for one link: the first joint of an arm stands on the carriage";
-        return Err(Fault::on("carriage.root_stiffness", message));
-    }
+fn carriage(raw: &RawArmCarriage) -> ArmCarriage {
     let (mass_kg, viscous_friction_n_s_m) = (raw.mass.si(), raw.viscous_friction.si());
     let carriage = Carriage { mass_kg, viscous_friction_n_s_m };
-    Ok(ArmCarriage { carriage, axis: raw.axis.map_or([1.0, 0.0], |Axis(axis)| axis) })
+    ArmCarriage { carriage, axis: raw.axis.map_or([1.0, 0.0], |Axis(axis)| axis) }
 }
 
 /// Limits of the carriage of an arm.

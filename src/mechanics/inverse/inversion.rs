@@ -197,7 +197,7 @@ fn buckling(link: &Link) -> Result<Option<Warning>, InversionError> {
         return Ok(None);
     };
     let mesh = Mesh::new(link, &MeshPlan::automatic(link))?;
-    let share = buckling_share(&mesh, gravity.along_m_s2(direction_rad)).unwrap_or_default();
+    let share = buckling_share(&mesh, gravity.along_m_s2(direction_rad));
     if share >= BUCKLED {
         return Err(InversionError::Buckled { share });
     }

@@ -89,7 +89,7 @@ pub enum Warning {
     },
     /// A torque that the tip's motion does not determine.
     #[error(
-        "the peak {} depends on analysis.tip_tolerance: it is {} N m, and {} N m at twice the tolerance",
+        "the peak {} depends on analysis.tip_tolerance: it is {} N m, and {} N m where the tip may stray twice as far",
         quantity.name(),
         significant(*peak_n_m, 3),
         significant(*looser_n_m, 3)
@@ -99,7 +99,7 @@ pub enum Warning {
         quantity: Quantity,
         /// Its peak in N m.
         peak_n_m: f64,
-        /// Its peak in N m at twice the tip's tolerance.
+        /// Its peak in N m where the tip may stray twice as far.
         looser_n_m: f64,
     },
     /// A torque that the samples of the motion do not determine.

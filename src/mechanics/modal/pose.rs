@@ -158,7 +158,7 @@ pub fn reports_weight(mesh: &Mesh, outward_m_s2: Option<f64>) -> bool {
 }
 
 /// The first `count` natural frequencies in rad/s of a link with a free joint, without its rigid motion. `outward_m_s2` is
-/// gravity along a link that keeps its direction.
+/// gravity along a link that keeps its direction. NaN for a mode that does not vibrate, because its weight buckles the link.
 pub fn reported_frequencies(mesh: &Mesh, outward_m_s2: Option<f64>, count: usize) -> Vec<f64> {
     let weighed = outward_m_s2.filter(|_| reports_weight(mesh, outward_m_s2));
     let modes = weighed.and_then(|own| pose_modes(mesh, own, PoseHub::Free, count + 1));
@@ -167,7 +167,7 @@ pub fn reported_frequencies(mesh: &Mesh, outward_m_s2: Option<f64>, count: usize
     // Weight does not drive the motion of the whole link.
     let rigid = (0..squares.len()).min_by(|a, b| squares[*a].abs().total_cmp(&squares[*b].abs()));
     rigid.map(|rigid| squares.remove(rigid));
-    squares.into_iter().filter(|square| *square > 0.0).map(f64::sqrt).collect()
+    squares.into_iter().map(f64::sqrt).collect()
 }
 
 /// The first `count` zeros of the effort → output in 1/s, like [`reported_frequencies`].
@@ -319,18 +319,36 @@ impl WeighedLink {
 }
 
 /// Weight of an upright link over the weight that buckles it with its joint held; 0 where gravity pulls outward.
-/// `None` as for [`pose_modes`].
-pub fn buckling_share(mesh: &Mesh, outward_m_s2: f64) -> Option<f64> {
-    if mesh.nodes_m().len() > MOST_ELEMENTS_OF_A_POSE + 1 {
-        return None;
-    }
-    let stands = |factor: f64| {
-        let [_, stiffness] = on_joint(mesh, factor * outward_m_s2);
-        stiffness.remove_row(0).remove_column(0).cholesky().is_some()
-    };
+pub fn buckling_share(mesh: &Mesh, outward_m_s2: f64) -> f64 {
     if outward_m_s2 >= 0.0 {
-        return Some(0.0);
+        return 0.0;
     }
+    let (elements, outboard_kg) = (mesh.elements(), outboard_kg(mesh));
+    let bending: Vec<Matrix4<f64>> = elements.iter().map(Element::stiffness).collect();
+    let weighed = elements.iter().zip(&outboard_kg[1..]);
+    let weight: Vec<Matrix4<f64>> =
+        weighed.map(|(element, outboard_kg)| pull(element, outward_m_s2, *outboard_kg)).collect();
+    let on_tip = Matrix2::new(0.0, 0.0, 0.0, outward_m_s2 * mesh.tip_inertia().vp);
+    // From the tip to the root each node is eliminated: the link stands if all pivots are positive.
+    let stands = |factor: f64| {
+        let mut outer = on_tip * factor;
+        for (k, (bending, weight)) in bending.iter().zip(&weight).enumerate().rev() {
+            let element = bending + weight * factor;
+            let pivot = element.fixed_view::<2, 2>(2, 2) + outer;
+            // The outer end of a spring stays at the root.
+            if k < mesh.springs() {
+                return pivot.m22 > 0.0;
+            }
+            if pivot.m11 <= 0.0 || pivot.determinant() <= 0.0 {
+                return false;
+            }
+            let coupling = element.fixed_view::<2, 2>(0, 2);
+            let inverse = Matrix2::new(pivot.m22, -pivot.m12, -pivot.m21, pivot.m11);
+            let passed = coupling * inverse * coupling.transpose() / pivot.determinant();
+            outer = element.fixed_view::<2, 2>(0, 0) - passed;
+        }
+        true
+    };
     // Bisects the share: the weight divided by it just stands.
     let (mut stands_at, mut falls_at) = (f64::INFINITY, 0.0);
     for _ in 0..SHARE_STEPS {
@@ -344,7 +362,7 @@ pub fn buckling_share(mesh: &Mesh, outward_m_s2: f64) -> Option<f64> {
             falls_at = share;
         }
     }
-    Some(stands_at)
+    stands_at
 }
 
 /// Lets v of node 1 follow v of the root in a symmetric matrix.
@@ -380,21 +398,32 @@ fn assembled(mesh: &Mesh, (bending, outward_m_s2): (f64, f64)) -> [DMatrix<f64>;
     add_inertia(&mut mass, size - 2, [vv, vp, pp]);
     // The payload beyond the tip is a rigid piece along the tip's slope, as the hub's radius is along the hub's.
     stiffness[(size - 1, size - 1)] += outward_m_s2 * vp;
-    let mut outboard_kg = vv;
+    let outboard_kg = outboard_kg(mesh);
     for (k, element) in mesh.elements().iter().enumerate().rev() {
-        let pulled = element.stiffness() * bending + pull(element, outward_m_s2, outboard_kg);
+        let pulled =
+            element.stiffness() * bending + pull(element, outward_m_s2, outboard_kg[k + 1]);
         for (matrix, own) in [(&mut mass, element.mass()), (&mut stiffness, pulled)] {
             let mut block = matrix.fixed_view_mut::<4, 4>(2 * k, 2 * k);
             block += own;
         }
-        outboard_kg += element.length_m * element.mass_per_length_kg_m.mean();
         if let Some(Inertia { vv, vp, pp }) = mesh.lumped_inertia(k) {
             add_inertia(&mut mass, 2 * k, [vv, vp, pp]);
-            outboard_kg += vv;
         }
     }
-    stiffness[(1, 1)] += outward_m_s2 * outboard_kg * mesh.nodes_m()[0];
+    stiffness[(1, 1)] += outward_m_s2 * outboard_kg[0] * mesh.nodes_m()[0];
     [mass, stiffness]
+}
+
+/// Mass in kg of all that lies outboard of each node, with the bodies at the node itself.
+fn outboard_kg(mesh: &Mesh) -> Vec<f64> {
+    let elements = mesh.elements();
+    let mut outboard_kg = vec![mesh.tip_inertia().vv; elements.len() + 1];
+    for (k, element) in elements.iter().enumerate().rev() {
+        let own_kg = element.length_m * element.mass_per_length_kg_m.mean();
+        let at_node = mesh.lumped_inertia(k).map_or(0.0, |inertia| inertia.vv);
+        outboard_kg[k] = outboard_kg[k + 1] + own_kg + at_node;
+    }
+    outboard_kg
 }
 
 fn add_inertia(mass: &mut DMatrix<f64>, at: usize, [vv, vp, pp]: [f64; 3]) {
@@ -503,6 +532,26 @@ mod tests {
             if at(middle) > 0.0 { low = middle } else { high = middle }
         }
         assert!((low - 7.837_347).abs() < 1e-4, "{low}");
+    }
+
+    /// The same load, by the weight that it may not exceed, on any number of pieces; on a spring the load of a rigid link is
+    /// `k = m g L/2`.
+    #[test]
+    fn the_share_of_the_buckling_weight_is_known_on_any_mesh() {
+        for elements in [20, 300] {
+            let share = buckling_share(&beam(3.0, elements), -7.837_347 * 3.0 / (0.7 * 8.0));
+            assert!((share - 1.0).abs() < 2e-5, "{share} with {elements} elements");
+        }
+        assert!(buckling_share(&beam(3.0, 20), 9.81) == 0.0);
+        let parts = LinkParts {
+            segments: vec![Segment::uniform(2.0, 1e7, 0.7)],
+            hub: Hub::default(),
+            payload: Payload::default(),
+            root_stiffness_n_m_rad: Some(5.0),
+            ..uniform()
+        };
+        let share = buckling_share(&Mesh::on(&Link::new(parts).unwrap(), 8), -9.81);
+        assert!((share / (0.7 * 2.0 * 9.81 / 5.0) - 1.0).abs() < 1e-4, "{share}");
     }
 
     /// Zeros of J₀ at 2 ω √(L/g): 2.404826, 5.520078, 8.653728.

@@ -24,7 +24,7 @@ pub(super) const LOOSER: f64 = 2.0;
 pub struct Cutoff {
     /// Frequency in rad/s up to which amplitudes stay unchanged; infinite if all do.
     pub omega_rad_s: f64,
-    /// Cut-off in rad/s for twice the tolerance.
+    /// Cut-off in rad/s with which the tip strays twice as far, counting motion that the samples do not hold.
     pub looser_rad_s: f64,
     /// Largest error in m of the solved tip relative to the wanted one, at any time.
     pub tip_error_m: f64,

@@ -242,12 +242,11 @@ pub(super) fn of_bent(
             begins.filter(|_| play.state.is_none()).into_iter().chain(ends).collect()
         }
     };
-    let share = first.outward_m_s2.and_then(|own| buckling_share(&first.mesh, own));
+    let share = first.outward_m_s2.map(|own| buckling_share(&first.mesh, own));
     if let Some(share) = share.filter(|share| *share >= 1.0) {
         warnings.push(SimulationWarning::Falls { share });
     } else if is_link {
-        let first_rad_s = first.natural_frequencies_rad_s.first().filter(|omega| **omega > 0.0);
-        let period_s = first_rad_s.map(|omega| TAU / omega);
+        let period_s = first.first_rad_s().map(|omega| TAU / omega);
         // Bent links move until the end, so that the step always matters.
         warnings.extend(SimulationWarning::coarse_step(play.input.grid().step_s, period_s));
     }

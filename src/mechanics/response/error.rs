@@ -309,7 +309,7 @@ pub enum SimulationWarning {
     /// An upright link with more than the weight that buckles it.
     #[error(
         "the weight is {share:.2} of the weight that buckles the link: the link falls from its straight shape, and its \
-         first natural frequency is that of another mode"
+         first mode has no period"
     )]
     Falls {
         /// The weight over the buckling weight.

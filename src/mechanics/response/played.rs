@@ -50,8 +50,15 @@ pub struct PlayedLink {
     /// Gravity in m/s² outward along it, if it keeps its direction.
     pub outward_m_s2: Option<f64>,
     /// Its lowest natural frequencies in rad/s, the rigid motion excluded; with weight only of a link that keeps its
-    /// direction.
+    /// direction. NaN for a mode that does not vibrate, because the weight buckles the link.
     pub natural_frequencies_rad_s: Vec<f64>,
+}
+
+impl PlayedLink {
+    /// The lowest frequency at which the link vibrates; `None` for a rigid link.
+    pub(super) fn first_rad_s(&self) -> Option<f64> {
+        self.natural_frequencies_rad_s.iter().copied().find(|omega| *omega > 0.0)
+    }
 }
 
 /// Method of a simulation, with its results.
@@ -95,8 +102,7 @@ impl Played {
         match &self.by {
             PlayedBy::Modes(modes) => modes.equations.first_period_s(),
             PlayedBy::Elastica(_) => {
-                let first =
-                    self.links.iter().filter_map(|own| own.natural_frequencies_rad_s.first());
+                let first = self.links.iter().filter_map(PlayedLink::first_rad_s);
                 first.map(|omega| TAU / omega).reduce(f64::max)
             }
         }

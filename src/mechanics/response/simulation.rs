@@ -195,7 +195,7 @@ struct Bending<'a> {
 impl Bending<'_> {
     /// First natural frequency of one link in rad/s, 0 for a rigid link.
     fn first_rad_s(&self) -> f64 {
-        self.links[0].natural_frequencies_rad_s.first().copied().unwrap_or(0.0)
+        self.links[0].first_rad_s().unwrap_or(0.0)
     }
 
     /// The links with `more` orders of polynomials. A repeating motion begins approximately like the motion `before`.

@@ -1,5 +1,7 @@
 //! Place and motion of a link or an arm at one instant, the start of another simulation.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{DMatrix, DVector, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +15,7 @@ use crate::link::{Arm, Link, POSITION_TOLERANCE};
 use crate::modal::Shape;
 use crate::numeric::{TimeGrid, largest, rounded};
 
-/// Largest difference between the direction of a link on a carriage and the root's slope of its state.
+/// Largest difference between the direction of a link on a carriage and the root's slope of its state, whole turns apart.
 const SAME_DIRECTION_RAD: f64 = 1e-9;
 
 /// The motion of a link at one instant.
@@ -77,7 +79,9 @@ impl LinkState {
             return refused(format!("holds {lost}"), "hold finite numbers".into());
         }
         let own_rad = link.direction_rad().unwrap_or(0.0);
-        if link.joint().slides() && (self.slope_rad[0] - own_rad).abs() > SAME_DIRECTION_RAD {
+        let apart_rad = self.slope_rad[0] - own_rad;
+        let apart_rad = apart_rad - TAU * (apart_rad / TAU).round();
+        if link.joint().slides() && apart_rad.abs() > SAME_DIRECTION_RAD {
             let [found, own] = [self.slope_rad[0], own_rad].map(|rad| rounded(rad.to_degrees(), 6));
             return refused(format!("has the direction {found} deg"), format!("have {own} deg"));
         }

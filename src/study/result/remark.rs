@@ -260,6 +260,9 @@ pub enum Remark {
         /// The highest mode examined.
         mode: LoweredMode,
     },
+    /// Columns of a sweep that leave the weight out.
+    #[error("periods and zeros in the table are those without gravity")]
+    WithoutWeight,
 }
 
 impl Remark {
@@ -283,6 +286,7 @@ impl Remark {
             Self::Jumps { .. } => "jumps",
             Self::Timing { .. } => "timing",
             Self::UnknownSection { .. } => "unknown_section",
+            Self::WithoutWeight => "without_weight",
         }
     }
 
@@ -325,6 +329,7 @@ impl Remark {
             Self::UnknownSection { .. } => {
                 "set E and density with section, or with I and area: the share is then estimated"
             }
+            Self::WithoutWeight => "modes prints those with the weight",
         }
     }
 }
@@ -349,6 +354,11 @@ impl Remark {
     pub fn on_rectangle(parameter: &str, width_m: f64, thickness_m: f64) -> Option<Self> {
         let parameter = parameter.to_owned();
         (thickness_m > width_m).then_some(Self::Rectangle { parameter, width_m, thickness_m })
+    }
+
+    /// A remark on a sweep of an arm with weight, unless its columns have the weight.
+    pub fn on_weight(arm: &Arm, reports_weight: bool) -> Option<Self> {
+        (arm.has_weight() && !reports_weight).then_some(Self::WithoutWeight)
     }
 
     /// A remark on a start angle beyond a whole turn.

@@ -65,7 +65,8 @@ const AFTER: [Solved; 6] = [
 /// The columns of a link with a played torque before those of its hub.
 const PLAYED: [OfPlayed; 11] = [
     ("period_1_s", |case| {
-        case.simulation.links[0].natural_frequencies_rad_s.first().map(|omega| TAU / omega)
+        let first = case.simulation.links[0].natural_frequencies_rad_s.first();
+        first.map(|omega| TAU / omega).filter(|period_s| period_s.is_finite())
     }),
     ("zero_1_per_s", |case| {
         let first =
@@ -122,6 +123,13 @@ fn of_carriage(
         Column::Joint(_, own) => is_there && !own.is_of_link(),
         _ => false,
     })
+}
+
+/// Name of a column of an arm's carriage, from that of a hub.
+pub fn column_of_carriage(of_hub: &str) -> String {
+    let named = Joint::Prismatic(Carriage::default()).named(of_hub);
+    // Times and powers have no word of the carriage in their names.
+    if named == of_hub { format!("carriage_{named}") } else { named }
 }
 
 /// Kind of a sweep's numbers: the columns between those of the variations and the last two, `warnings` and `error`.
@@ -208,12 +216,7 @@ impl SweepKind {
             Column::Solved((name, _)) | Column::Played((name, _)) => of.named(name),
             Column::Joint(_, own) if joints == 1 => of.named(&own.column(None)),
             Column::Joint(joint, own) if joint < joints => own.column(Some(joint + 1)),
-            Column::Joint(_, own) => {
-                let name = own.column(None);
-                // Times and powers have no word of the carriage in their names.
-                let named = of.named(&name);
-                if named == name { format!("carriage_{name}") } else { named }
-            }
+            Column::Joint(_, own) => column_of_carriage(&own.column(None)),
         };
         self.columns().into_iter().map(name).collect()
     }

@@ -4,7 +4,7 @@
 mod columns;
 mod variation;
 
-pub use columns::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
+pub use columns::{CaseNumbers, PlayedCase, SolvedCase, SweepKind, column_of_carriage};
 pub use variation::{Operation, Variation, VariationError};
 
 use std::collections::BTreeMap;

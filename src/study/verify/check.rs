@@ -14,7 +14,7 @@ pub(super) const CHOSEN: f64 = 1e-2;
 
 /// Bound on the deviation of a link's tip with all terms of second order, over its travel. The claimed deviation is
 /// up to three times the true one.
-const STRAYS: f64 = 3e-2;
+pub(super) const STRAYS: f64 = 3e-2;
 
 /// Last of the ten digits of tip.csv, over the tip's travel.
 const ROUNDED: f64 = 1e-10;

@@ -136,9 +136,11 @@ pub(super) fn damping_line(link: &Link, law: &DampingLaw, frequencies_rad_s: &[f
     wrapped(std::iter::once(own).chain(ratios), "")
 }
 
-/// Several numbers with `digits` significant digits each.
+/// Several numbers with `digits` significant digits each, a dash for a missing one.
 pub(super) fn list(values: &[f64], digits: usize) -> String {
-    values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ")
+    let text =
+        |value: &f64| if value.is_nan() { "-".to_owned() } else { significant(*value, digits) };
+    values.iter().map(text).collect::<Vec<_>>().join(" ")
 }
 
 /// Angle that a hub turns, or start and end angle of an arm's joint.

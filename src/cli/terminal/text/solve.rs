@@ -307,10 +307,16 @@ pub(super) fn solution_errors(solution: &Solution) -> String {
         let of_joint = solution.arm.pick(None, Some(solution.arm.name_of_joint(joint)));
         let other = (quantity != Quantity::Torque).then(|| {
             let joint = solution.arm.joints().nth(joint).unwrap_or(solution.arm.joint());
-            joint.worded(quantity.name()).replace("acceleration", "accel.")
+            joint.worded(quantity.name())
         });
-        let of = other.into_iter().chain(of_joint).collect::<Vec<_>>().join(", ");
-        let of = if of.is_empty() { of } else { format!(" ({of})") };
+        let of = match (other, of_joint) {
+            (Some(own), None) => Some(own.replace("acceleration", "accel.")),
+            (Some(own), Some(joint)) if !own.starts_with(&joint) => {
+                Some(format!("{} of {joint}", own.trim_start_matches("hub ")))
+            }
+            (own, joint) => own.or(joint),
+        };
+        let of = of.map_or_else(String::new, |of| format!(" ({of})"));
         // The input affects derivatives most, but its effect on the torque is also needed.
         let torque = of_torque.filter(|_| *name == INPUT && quantity != Quantity::Torque);
         let torque = torque.map(|share| format!("{share:.1e} and ")).unwrap_or_default();

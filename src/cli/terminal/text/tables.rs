@@ -160,28 +160,35 @@ fn row([number, a, b, c, d, e]: [&str; 6]) -> String {
 pub(crate) fn verify_text(verification: &Verification) -> String {
     let longest = verification.checks.iter().map(|check| check.what.chars().count()).max();
     let width = longest.unwrap_or_default().max(34);
-    let header = format!("{:<width$} {:>9}   {:>9}   of", "check", "found", "at most");
-    let lines = verification.checks.iter().map(|check| check_line(check, width));
+    let found = verification.checks.iter().filter_map(|check| Some(number_text(check)?.len()));
+    let found = found.max().unwrap_or_default().max(9);
+    let header = format!("{:<width$} {:>found$}   {:>9}   of", "check", "found", "at most");
+    let lines = verification.checks.iter().map(|check| check_line(check, [width, found]));
     std::iter::once(header).chain(lines).map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
 /// Size below which numbers are round-off, which differs between machines.
 const ROUND_OFF: f64 = 1e-9;
 
-fn check_line(check: &Check, width: usize) -> String {
+/// The number of a check; `None` for a check that was not made.
+fn number_text(check: &Check) -> Option<String> {
+    let (found, bound) = check.found.zip(check.bound)?;
+    Some(if found <= ROUND_OFF {
+        format!("< {ROUND_OFF:.0e}")
+    } else if found >= bound && check.passes {
+        format!("< {bound:.1e}")
+    } else {
+        format!("{found:.0$e}", digits_beyond(found, bound) - 1)
+    })
+}
+
+/// A line of the table, whose columns of checks and numbers have these widths.
+fn check_line(check: &Check, [width, of_found]: [usize; 2]) -> String {
     let what = &check.what;
-    match check.found.zip(check.bound) {
+    match number_text(check).zip(check.bound) {
         Some((found, bound)) => {
             let verdict = if check.passes { "" } else { "  FAILS" };
-            let found = if found <= ROUND_OFF {
-                format!("< {ROUND_OFF:.0e}")
-            } else if found >= bound && check.passes {
-                format!("< {bound:.1e}")
-            } else {
-                // The column has no room for more decimals.
-                format!("{found:.0$e}", digits_beyond(found, bound) - 1)
-            };
-            format!("{what:<width$} {found:>9}   {bound:>9.1e}   {}{verdict}", check.of)
+            format!("{what:<width$} {found:>of_found$}   {bound:>9.1e}   {}{verdict}", check.of)
         }
         None => format!("{what:<width$} not made: {}", check.reason.as_deref().unwrap_or_default()),
     }
@@ -224,4 +231,32 @@ pub(crate) fn binding_text(fit: &Fit) -> String {
     let of = of_joint(value.joint);
     let binds = format!("; {of}limits.{key} binds: {found} {unit} of {limit} {unit}, {error}");
     fit.solution.arm.worded(&binds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_checks_stand_below_each_other() {
+        let check = |what: &str, found, bound| Check {
+            name: what.to_owned(),
+            what: what.to_owned(),
+            of: "its peak".to_owned(),
+            found: Some(found),
+            bound: Some(bound),
+            reason: None,
+            passes: found <= bound,
+            hint: "",
+        };
+        let long = "a limit with a name of more than thirty-four letters";
+        let checks = vec![check("tip", 1.000_004e-3, 1e-3), check(long, 0.5, 1.0)];
+        let text = verify_text(&Verification { checks });
+        let ends = |line: &str, text: &str| line.find(text).unwrap() + text.len();
+        let lines: Vec<&str> = text.lines().collect();
+        let [header, tip, limit] = lines[..] else { panic!("{text}") };
+        assert_eq!(ends(header, "found"), ends(tip, "1.00000e-3"), "{text}");
+        assert_eq!(ends(header, "found"), ends(limit, "5.0e-1"), "{text}");
+        assert_eq!(ends(header, "at most"), ends(limit, "1.0e0"), "{text}");
+    }
 }
