@@ -133,14 +133,15 @@ pub enum InversionError {
         /// Smallest valid size.
         least: f64,
     },
-    /// Second-order terms that grow where no torque moves a link's output.
+    /// Second-order terms that do not converge for a motion with a frequency at which no torque moves a link's output.
     #[error(
-        "the second-order terms do not converge: at {} Hz, within the motion's band, no torque moves the tip{} (rotary \
-         inertia, shear or payload)",
+        "{refused}; at {} Hz, within the motion's band, no torque moves the tip{} (rotary inertia, shear or payload)",
         significant(*frequency_hz, 4),
         link.map_or_else(String::new, |link| format!(" of link {}", link + 1))
     )]
     Blocked {
+        /// Its iteration.
+        refused: Box<InversionError>,
         /// Number of the link, from 0. `None` for the only one.
         link: Option<usize>,
         /// The frequency in Hz.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
-use super::arm::{ArmProblem, Solver, blocked, invert_arm};
+use super::arm::{ArmProblem, Solver, diverged, invert_arm};
 use super::diagnostics::{Diagnostics, Edge, thick_share};
 use super::error::{BUCKLED, InversionError, RefusedEnds};
 use super::histories::{Histories, SlowTails};
@@ -167,10 +167,10 @@ fn invert_bent(
     let models = vec![coarsest];
     let measured = solver.measured(models.clone(), first_zero_per_s).map_err(|error| {
         let InversionError::Elastica(ElasticaError::Diverges { .. }) = error else { return error };
-        let refusal = blocked(&models, &solver.problem).unwrap_or(error);
+        let refused = diverged(error, &models, &solver.problem);
         match solver.problem.second_order {
-            SecondOrder::First => InversionError::NorFirst(Box::new(refusal)),
-            _ => refusal,
+            SecondOrder::First => InversionError::NorFirst(Box::new(refused)),
+            _ => refused,
         }
     })?;
     let (window, edge, errors) = (measured.window, measured.edge, measured.errors[0]);

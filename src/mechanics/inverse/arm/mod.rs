@@ -12,4 +12,4 @@ mod window;
 
 pub use problem::check_reach;
 pub(super) use problem::{ArmProblem, BYTES};
-pub(super) use solve::{Solver, blocked, invert_arm};
+pub(super) use solve::{Solver, diverged, invert_arm};

@@ -64,7 +64,7 @@ pub(in super::super) fn invert_arm(
         found => return found,
     };
     // Second-order terms grow where no torque moves a link's tip.
-    let refused = || blocked(&models, &solver.problem).unwrap_or(refusal);
+    let refused = || diverged(refusal, &models, &solver.problem);
     if analysis.second_order().is_some() {
         return Err(refused());
     }
@@ -80,19 +80,30 @@ pub(in super::super) fn invert_arm(
     }
 }
 
-/// Finds the first link whose output no torque moves at some frequency within the motion's band.
-pub(in super::super) fn blocked(
+/// The refusal of terms that do not converge, with the frequency at which no torque moves an output.
+pub(in super::super) fn diverged(
+    refused: InversionError,
     models: &Models,
     problem: &ArmProblem<'_>,
-) -> Option<InversionError> {
+) -> InversionError {
+    match blocked(models, problem) {
+        Some((link, frequency_hz)) => {
+            let (refused, link) = (Box::new(refused), (models.len() > 1).then_some(link));
+            InversionError::Blocked { refused, link, frequency_hz }
+        }
+        None => refused,
+    }
+}
+
+/// The first link whose output no torque moves at some frequency within the motion's band, and this frequency in Hz.
+fn blocked(models: &Models, problem: &ArmProblem<'_>) -> Option<(usize, f64)> {
     let nyquist_rad_s = PI / problem.wanted.grid().step_s;
     let end_rad_s = problem.cutoffs.iter().map(Cutoff::end_rad_s).reduce(f64::max)?;
     let end_rad_s = end_rad_s.min(nyquist_rad_s);
     models.iter().enumerate().find_map(|(link, model)| {
         let outward_m_s2 = model.link().outward_m_s2();
         let zeros = reported_blocked(model.mesh(), outward_m_s2, end_rad_s);
-        let link = (models.len() > 1).then_some(link);
-        Some(InversionError::Blocked { link, frequency_hz: zeros.first()? / TAU })
+        Some((link, zeros.first()? / TAU))
     })
 }
 
