@@ -263,9 +263,10 @@ impl WeighedLink {
     /// (w, w') of each node.
     pub(crate) fn restore(&self, deflections: &[Vec<f64>], loads: &mut [Vec<f64>]) {
         loads.par_iter_mut().enumerate().for_each(|(row, load)| {
-            for column in (row & !1).saturating_sub(2)..((row & !1) + 4).min(self.weight.ncols()) {
-                let stiffness = self.weight[(row, column)];
-                load.iter_mut().zip(&deflections[column]).for_each(|(f, w)| *f += stiffness * w);
+            let stiffness = self.weight.row(row);
+            let columns = deflections.iter().zip(stiffness.iter());
+            for (deflection, stiffness) in columns.filter(|(_, stiffness)| **stiffness != 0.0) {
+                load.iter_mut().zip(deflection).for_each(|(f, w)| *f += stiffness * w);
             }
         });
     }

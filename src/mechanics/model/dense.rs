@@ -326,7 +326,7 @@ mod tests {
             (Damping::Modal { ratios: vec![0.05, 0.01] }, None),
             (Damping::Hysteretic { ratio: 0.03 }, Some(0.6)),
         ] {
-            let link = Link::new(LinkParts { damping, output_m, ..parts.clone() }).unwrap();
+            let link = Link::new(LinkParts { output_m, damping, ..parts.clone() }).unwrap();
             let mesh = Mesh::on(&link, 6);
             let model = model_of(&link, mesh, KeptModes::All).unwrap();
             let dense = Dense::assemble(model.on_mesh().clone()).unwrap();
