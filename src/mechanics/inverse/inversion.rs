@@ -17,6 +17,8 @@ use super::solution::{
     Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Shape, Solution,
 };
 use super::warning::{SolutionWarning, Warning};
+use num_complex::Complex64;
+
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ElasticaError, SecondOrder};
 use crate::link::{Arm, Link};
@@ -96,7 +98,7 @@ fn invert_link(
     let mut first_zero_per_s = first_zero(coarsest.mesh());
     let problem = LinkProblem::new(motion, analysis, first_zero_per_s, *resources)?;
     let (mut coarsest, mut period) = (coarsest, problem.shortest_period()?);
-    let (answering, answer, left, mesh_errors, mode_errors, input_errors) = loop {
+    let (answering, answer, left, mesh_errors, mode_errors, input_errors, moments) = loop {
         let MeshAnswer { model, amplitudes, peaks, mesh_errors, mode_errors, input_errors } =
             MeshAnswer::of(coarsest, plan, &period, analysis, resources.watch)?;
         if model.mesh().elements().len() > elements {
@@ -106,12 +108,14 @@ fn invert_link(
         let tails = SlowTails::of(&*model, first_zero_per_s).filter(|_| motion.cycles().is_none());
         let hub_tail = tails.map(|tails| tails.hub_tail(&*model));
         let answering = AnsweringModel { model, first_zero_per_s, hub_tail, peaks };
-        let motor = amplitudes.motor.as_ref();
+        let (motor, moments) = (amplitudes.motor.as_ref(), amplitudes.moment_n_m);
         let shortest = PeriodicAnswer::new(amplitudes.hub, motor, Arc::clone(&period));
         let (answer, left) = problem.decayed(&answering, shortest)?;
         // A link that rings on gathers its errors over the whole period.
-        if Arc::ptr_eq(&answer.period, &period) || !rings(answering.model.mesh(), &period) {
-            break (answering, answer, left, mesh_errors, mode_errors, input_errors);
+        let is_whole = Arc::ptr_eq(&answer.period, &period);
+        if is_whole || !rings(answering.model.mesh(), &period) {
+            let moments = moments.filter(|_| is_whole).unwrap_or_default();
+            break (answering, answer, left, mesh_errors, mode_errors, input_errors, moments);
         }
         (coarsest, period) = (answering.model, answer.period);
     };
@@ -130,7 +134,7 @@ fn invert_link(
     };
     let errors = mesh_errors
         .zip(
-            &window_errors((motion, link.has_station()), &answer, left, &window),
+            &window_errors((motion, link.has_station()), &answer, (left, &moments), &window),
             |mesh, window| QuantityErrors { mesh, window, ..QuantityErrors::default() },
         )
         .with(mode_errors, |errors, modes| QuantityErrors { modes: Some(modes), ..errors })
@@ -345,10 +349,11 @@ impl LinkProblem<'_> {
 }
 
 /// Error of each quantity from the finite period and the written window, over its peak; `left` is the period's part.
+/// `moments` are amplitudes of the bending moment at places of the link, if they are known over the period.
 fn window_errors(
     (motion, has_station): (&TipMotion, bool),
     answer: &PeriodicAnswer,
-    left: PerQuantity<f64>,
+    (left, moments): (PerQuantity<f64>, &[Vec<Complex64>]),
     window: &Window,
 ) -> PerQuantity<f64> {
     if motion.cycles().is_some() {
@@ -358,10 +363,11 @@ fn window_errors(
         let periodic = answer.periodic(samples);
         periodic.outside(window) / periodic.peak()
     };
-    let root = || answer.period.spectrum.pair.samples(&answer.hub.root_moment_n_m);
+    let pair = &answer.period.spectrum.pair;
+    let root = || pair.samples(&answer.hub.root_moment_n_m);
     let torque = left.torque.max(cut_off(&answer.torque_n_m));
     // Beyond a station the link rings on with the torque, and the moment at the root does not show it.
-    let beyond = if has_station { torque } else { 0.0 };
+    let beyond = if has_station { torque.max(moment_left(answer, moments, window)) } else { 0.0 };
     PerQuantity {
         torque,
         bending_moment: left.bending_moment.map(|left| left.max(cut_off(&root())).max(beyond)),
@@ -371,6 +377,18 @@ fn window_errors(
             .map(|(left, motor)| left.max(cut_off(motor))),
         ..left
     }
+}
+
+/// Moment at all places outside a window, or where one period meets the next, over its peak.
+fn moment_left(answer: &PeriodicAnswer, moments: &[Vec<Complex64>], window: &Window) -> f64 {
+    let of_place = moments.iter().map(|amplitudes| {
+        let samples = answer.period.spectrum.pair.samples(amplitudes);
+        let periodic = answer.periodic(&samples);
+        [periodic.outside(window).max(answer.left_of(&samples) * periodic.peak()), periodic.peak()]
+    });
+    let [left, peak] =
+        of_place.fold([0.0_f64; 2], |[left, peak], own| [left.max(own[0]), peak.max(own[1])]);
+    if left == 0.0 { 0.0 } else { left / peak }
 }
 
 #[cfg(test)]
