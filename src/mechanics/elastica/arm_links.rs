@@ -24,10 +24,6 @@ const ROUND_OFF: f64 = 1e-12;
 /// accelerations that the period leaves out.
 const LEFT_OUT: f64 = 1e-12;
 
-/// Largest number of elements whose weight stands in the linear link: its elimination loses the fourth power of the number
-/// in digits.
-const MOST_ELEMENTS_WEIGHED: usize = 128;
-
 /// Amplitudes of the answer of each link.
 pub(super) type Answers = Vec<Vec<LoadedMotion<Complex64>>>;
 
@@ -42,7 +38,7 @@ pub(super) struct Follower<'a> {
     /// Damping ratio and sag of each link, if hysteretic links have weight.
     pub(super) sags: Vec<(f64, Sag)>,
     /// The link with the weight along it, if it keeps its direction and its second-order terms count. Damping keeps the
-    /// digits of its elimination at a resonance; a long mesh loses them.
+    /// digits of its elimination at a resonance.
     weighed: Option<WeighedLink>,
     /// Amplitude of a torque in N m below which it may be round-off of the largest.
     pub(super) round_off_n_m: f64,
@@ -204,11 +200,8 @@ impl<'a> Follower<'a> {
         }
         let linear = self.linear(state)?;
         let own = &models[0];
-        let outward_m_s2 = own.link().outward_m_s2().filter(|_| {
-            self.second_order != SecondOrder::None
-                && !is_undamped(own.law())
-                && own.mesh().elements().len() <= MOST_ELEMENTS_WEIGHED
-        });
+        let is_weighed = self.second_order != SecondOrder::None && !is_undamped(own.law());
+        let outward_m_s2 = own.link().outward_m_s2().filter(|_| is_weighed);
         self.weighed = outward_m_s2.and_then(|outward| WeighedLink::of(own.mesh(), outward));
         // The torque of one link has no round-off of a next link's load.
         if models.len() > 1 {

@@ -11,8 +11,10 @@ use super::periodic_answer::PeriodicAnswer;
 use super::solution::SecondOrderFindings;
 use super::spectra::DrivenModel;
 use super::warning::Warning;
-use crate::beam::Mesh;
-use crate::modal::{NOTICEABLE, REPORTED_MODES, Thickness, natural_frequencies, reported_blocked};
+use crate::beam::{Mesh, MeshPlan};
+use crate::modal::{
+    NOTICEABLE, REPORTED_MODES, Thickness, natural_frequencies, reported_blocked, reports_weight,
+};
 use crate::model::Model;
 use crate::motion::{TipMotion, TipSpectrum};
 use crate::numeric::{FourierPair, fast_length, largest, magnitude};
@@ -276,6 +278,16 @@ pub(super) fn thick_link(share: f64) -> Option<Warning> {
     (share > NOTICEABLE).then_some(Warning::ThickLink { share })
 }
 
+/// Frequencies below a limit in rad/s at which no torque moves the output, with the weight of a link that keeps its
+/// direction; on a long mesh those of the link's coarsest one.
+pub(super) fn blocked_rad_s(model: &dyn Model, limit_rad_s: f64) -> Vec<f64> {
+    let (link, mesh) = (model.link(), model.mesh());
+    let outward_m_s2 = link.outward_m_s2();
+    let is_long = outward_m_s2.is_some() && !reports_weight(mesh, outward_m_s2);
+    let coarse = is_long.then(|| Mesh::new(link, &MeshPlan::automatic(link)).ok()).flatten();
+    reported_blocked(coarse.as_ref().unwrap_or(mesh), outward_m_s2, limit_rad_s)
+}
+
 /// Zeros of torque → output on the real axis, where the motion holds more than the tolerance.
 pub(super) fn blocked_tip(
     model: &dyn Model,
@@ -285,8 +297,7 @@ pub(super) fn blocked_tip(
     let (magnitudes, peak) = (&spectrum.magnitudes_m_s2, spectrum.largest_m_s2);
     let bins = magnitudes.iter().rposition(|a| *a > tolerance * peak).unwrap_or(0);
     let spacing = spectrum.omegas_rad_s[1];
-    let outward_m_s2 = model.link().outward_m_s2();
-    let zeros = reported_blocked(model.mesh(), outward_m_s2, spectrum.omegas_rad_s[bins]);
+    let zeros = blocked_rad_s(model, spectrum.omegas_rad_s[bins]);
     let blocked = zeros.into_iter().filter_map(|omega| {
         // Damping shifts the zero off the axis, not along it: the nearest bins hold the content there.
         let below = ((omega / spacing) as usize).min(magnitudes.len() - 2);

@@ -204,11 +204,10 @@ fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<PlayedChecks, Unpl
     });
     let allowed = |stated: f64| AMPLIFIED * (stated + solution.analysis.tolerance());
     let bound = (tip.bound)(answer).min(answer.tip_tolerance() + allowed(of_motion));
-    // The play has all terms. Of an answer of first order it measures those left out, too, whose effect on the torque the
-    // solution states.
+    // The play has all terms. Of an answer of first order it measures those left out, too. Where the solution states their
+    // effect on the torque, the checks allow it.
     let first = solution.second_order.filter(|found| found.order == SecondOrder::First);
-    let left_out = first.and_then(|found| found.left_out);
-    let left_out = left_out.map(|share| share.unwrap_or(f64::INFINITY));
+    let left_out = first.and_then(|found| found.left_out).flatten();
     let model = |times: f64| left_out.map_or(0.0, |share| (times * share).min(STRAYS));
     let with_left_out = |check: Check| match left_out {
         Some(_) => Check { of: check.of + ", terms left out", ..check },

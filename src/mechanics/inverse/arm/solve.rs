@@ -9,7 +9,7 @@ use super::window::straying;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ArmMotion, ElasticaError, SecondOrder};
 use crate::inverse::accuracy::Curves;
-use crate::inverse::diagnostics::Edge;
+use crate::inverse::diagnostics::{Edge, blocked_rad_s};
 use crate::inverse::mesh_error::TORQUES_N_M;
 use crate::inverse::period::{PeriodicTorque, Window, lengthened};
 use crate::inverse::spectra::Probes;
@@ -18,7 +18,7 @@ use crate::inverse::{
     Solution,
 };
 use crate::link::Arm;
-use crate::modal::{reported_blocked, torque_zeros};
+use crate::modal::torque_zeros;
 use crate::model::{Model, check_size, model_of};
 use crate::motion::{ArmPath, Cutoff, Motion};
 use crate::numeric::{Size, TimeGrid};
@@ -100,11 +100,10 @@ fn blocked(models: &Models, problem: &ArmProblem<'_>) -> Option<(usize, f64)> {
     let nyquist_rad_s = PI / problem.wanted.grid().step_s;
     let end_rad_s = problem.cutoffs.iter().map(Cutoff::end_rad_s).reduce(f64::max)?;
     let end_rad_s = end_rad_s.min(nyquist_rad_s);
-    models.iter().enumerate().find_map(|(link, model)| {
-        let outward_m_s2 = model.link().outward_m_s2();
-        let zeros = reported_blocked(model.mesh(), outward_m_s2, end_rad_s);
-        Some((link, zeros.first()? / TAU))
-    })
+    models
+        .iter()
+        .enumerate()
+        .find_map(|(link, model)| Some((link, blocked_rad_s(&**model, end_rad_s).first()? / TAU)))
 }
 
 pub(in super::super) struct Solver<'a> {
@@ -154,16 +153,7 @@ impl Solver<'_> {
         first_zero_per_s: Option<f64>,
     ) -> Result<Measured, InversionError> {
         let problem = &self.problem;
-        let (mut models, mut len) = (models, problem.shortest_len()?);
-        let (solved, rests, left) = loop {
-            let decayed = self.decayed(self.on_mesh(models, len)?)?;
-            let ArmAnswer { path, models: answering, .. } = &decayed.0.answer;
-            // A link that rings on gathers its errors over the whole period.
-            if path.len() == len || blocked(answering, problem).is_none() {
-                break decayed;
-            }
-            (models, len) = (answering.clone(), path.len());
-        };
+        let (solved, rests, left) = self.decayed(self.on_mesh(models)?)?;
         let (window, cut) = self.window(&solved, rests.as_ref());
         let step = self.step_errors(&solved, first_zero_per_s)?;
         let input = self.input_errors(&solved)?;
@@ -256,8 +246,8 @@ impl Solver<'_> {
         Ok(solution)
     }
 
-    /// The answer over a period on meshes fine enough for the plans.
-    fn on_mesh(&self, coarsest: Models, len: usize) -> Result<Solved, InversionError> {
+    /// The answer over the shortest period on meshes fine enough for the plans.
+    fn on_mesh(&self, coarsest: Models) -> Result<Solved, InversionError> {
         let problem = &self.problem;
         let is_automatic = self.plans.iter().any(MeshPlan::is_automatic);
         let tolerance = MeshPlan::smallest_tolerance(self.plans);
@@ -266,7 +256,7 @@ impl Solver<'_> {
         let probes: Vec<Probes> = probes.collect();
         let mut nodes: Vec<Vec<usize>> = probes.iter().map(|own| own.nodes.clone()).collect();
         let mut models = coarsest;
-        let path = problem.period(len)?;
+        let path = problem.period(problem.shortest_len()?)?;
         let mut known: Option<ArmAnswer> = None;
         loop {
             let (finer, finer_nodes) = refined(&models, &nodes)?;
