@@ -480,7 +480,7 @@ mod tests {
     #[test]
     fn without_weight_a_link_on_a_carriage_moves_as_by_the_recursion() {
         for (elements, output_m, most) in
-            [(12, None, 1e-10), (12, Some(1.0), 1e-9), (128, None, 1e-6), (256, Some(1.0), 1e-5)]
+            [(12, None, 1e-10), (12, Some(1.0), 1e-9), (128, None, 1e-6), (250, Some(1.0), 1e-5)]
         {
             let link = Link::builder()
                 .segment(Segment::uniform(0.7, 14.0, 0.6))
