@@ -229,7 +229,11 @@ pub(super) fn reached(written: &[u8], arm: &Specification) -> Result<usize, Fail
     let path = ArmPath::new(columns, &lengths_m)
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
     let warning = check_reach(&arm.arm, &path).map_err(|error| {
-        let is_far = path.has_carriage() && matches!(error, InversionError::OutOfReach { .. });
+        let is_far = path.has_carriage()
+            && matches!(
+                error,
+                InversionError::OutOfReach { .. } | InversionError::Stretched { .. }
+            );
         let of_carriage = if is_far { ", or other places of --carriage" } else { "" };
         let hint = error.hint().map(|hint| format!("{hint}{of_carriage}"));
         refused(error.sample(), &error, hint.as_deref())
