@@ -98,7 +98,7 @@ fn limits_of_force_and_speed_are_checked() {
             "solve specs/bayo1987_example1.toml trajectories/sine_0.88s.csv --set limits.force=2",
         ),
     ));
-    assert!(told.contains("limits.force must be torque for a link on a hub"), "{told}");
+    assert!(told.contains("limits.force must be torque at a hub"), "{told}");
 }
 
 #[test]
@@ -146,6 +146,10 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
     let kinds = [
         (format!("simulate {MAST} run/force.csv --input torque"), "must be force or carriage"),
         (format!("simulate {HUB} run/force.csv --input carriage"), "must be torque or hub-angle"),
+        (
+            "simulate specs/carriages/gantry_arm.toml run/force.csv --input carriage".to_owned(),
+            "must be torque or hub-angle for an arm",
+        ),
         (
             format!("simulate {MAST} run/carriage.csv --input carriage --hold zero"),
             "--input = carriage, but must be force with --hold",
@@ -1218,7 +1222,7 @@ fn a_path_moves_the_carriage_of_an_arm_along_within_its_limits() {
     ] {
         let fit = format!("{line} --step 0.04 {gantry} {linear} --fit-limit {limit} -o fast.csv");
         let told = stderr(&succeeded(bench.run(&fit)));
-        let named = format!("carriage {}", limit.trim_start_matches("carriage."));
+        let named = format!("within {}", limit.replace('.', " "));
         assert!(told.contains(&named) && !told.contains("joint 3"), "{named}: {told}");
         bench.done(&format!("solve specs/carriages/gantry_arm.toml fast.csv {linear} -o fast"));
         let found = bench.number("fast", &format!("results/carriage/{key}"));
@@ -1235,7 +1239,16 @@ fn a_path_moves_the_carriage_of_an_arm_along_within_its_limits() {
             "trajectory septic --distance 1 --duration 1 --step 0.01 --carriage 1".to_owned(),
             "--path",
         ),
-        (2, format!("{line},1 --duration 1.5 --step 0.002"), "must be x and y"),
+        (
+            2,
+            format!("{line},1 --duration 1.5 --step 0.002"),
+            "must be one place, or FROM,TO: 0,0.8",
+        ),
+        (
+            3,
+            format!("{line},-3 --duration 1.5 --step 0.002 {gantry}").replace("0,0.8,", "0,"),
+            "or other places of --carriage",
+        ),
         (
             3,
             format!("{line} --step 0.02 --link specs/arms/two_links.toml --fit-limit force=5"),

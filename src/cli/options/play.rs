@@ -211,12 +211,13 @@ impl PlayArgs {
         let InputFile { shown, bytes, .. } = &file;
         let (moving, of_carriage, reading) = if self.is_moved() {
             let (mut hubs, reading) = read_joint_references(shown, bytes, joints, &read.format())?;
-            let own = with_carriage_moved(&mut hubs, arm, &self.file)?;
+            let own = with_carriage_moved(&mut hubs, (arm, &self.file), &read.format())?;
             (Moving::Angles(hubs), own, reading)
         } else {
-            let how = (self.column.as_deref(), &read.format());
+            let format = read.format();
+            let how = (self.column.as_deref(), &format);
             let (mut torques, reading) = read_torques(&file, joints, how)?;
-            let own = with_force(&mut torques, arm, &self.file)?;
+            let own = with_force(&mut torques, (arm, &self.file), (&self.hold, &format))?;
             (Moving::Torques(torques), own, reading)
         };
         self.hold.refuse_jitter(&file, &reading)?;
@@ -258,7 +259,9 @@ impl PlayArgs {
         });
         let mut references = references.transpose()?.unwrap_or_default();
         let reference = self.reference.as_deref();
-        let of_reference = reference.map(|path| with_carriage_moved(&mut references, arm, path));
+        let form = TableFormat::default();
+        let of_reference =
+            reference.map(|path| with_carriage_moved(&mut references, (arm, path), &form));
         let carriage_files = [of_carriage, of_reference.transpose()?.flatten()];
         let state_file = open(&self.state)?;
         let state = state_file.as_ref();
@@ -316,10 +319,12 @@ impl PlayArgs {
                 let (kinds, of) = if slides {
                     ("force or carriage", "a link on a carriage")
                 } else {
-                    ("torque or hub-angle", "a hub")
+                    ("torque or hub-angle", arm.pick("a hub", "an arm"))
                 };
                 let message = format!("--input = {}, but must be {kinds} for {of}", input.name());
-                return Err(Failure::new(Exit::Usage, &message, None));
+                let hint = "the carriage moves by the column of the same table, or by force.csv or carriage.csv beside it";
+                let hint = arm.carriage().map(|_| hint);
+                return Err(Failure::new(Exit::Usage, &message, hint));
             }
         }
         self.check_input(arm)?;
@@ -395,25 +400,33 @@ fn length(text: &str) -> Result<f64, String> {
 /// Adds the force of an arm's carriage from force.csv beside the file of the torques, unless this file has it.
 pub(crate) fn with_force(
     torques: &mut Vec<Torque>,
-    arm: &Arm,
-    path: &Path,
+    of: (&Arm, &Path),
+    (hold, format): (&HoldArgs, &TableFormat),
 ) -> Result<Option<InputFile>, Failure> {
-    let read = |file: &InputFile| {
-        read_joint_torques(&file.shown, &file.bytes, ALONE, &TableFormat::default())
-    };
-    with_carriage(torques, (arm, path), ["force.csv", "force"], (read, Torque::grid))
+    let format = &beside(format);
+    let read = |file: &InputFile| read_joint_torques(&file.shown, &file.bytes, ALONE, format);
+    let own = with_carriage(torques, of, ["force.csv", "force"], (read, Torque::grid, format))?;
+    let Some((file, reading)) = own else { return Ok(None) };
+    hold.refuse_jitter(&file, &reading)?;
+    Ok(Some(file))
 }
 
 /// Adds the motion of an arm's carriage from carriage.csv beside the file of the joints, unless this file has it.
 fn with_carriage_moved(
     joints: &mut Vec<HubReference>,
-    arm: &Arm,
-    path: &Path,
+    of: (&Arm, &Path),
+    format: &TableFormat,
 ) -> Result<Option<InputFile>, Failure> {
-    let read = |file: &InputFile| {
-        read_joint_references(&file.shown, &file.bytes, ALONE, &TableFormat::default())
-    };
-    with_carriage(joints, (arm, path), ["carriage.csv", "carriage"], (read, HubReference::grid))
+    let format = &beside(format);
+    let read = |file: &InputFile| read_joint_references(&file.shown, &file.bytes, ALONE, format);
+    let how = (read, HubReference::grid, format);
+    let own = with_carriage(joints, of, ["carriage.csv", "carriage"], how)?;
+    Ok(own.map(|(file, _)| file))
+}
+
+/// The options of a table for the one beside it: all but those of its own columns.
+fn beside(format: &TableFormat) -> TableFormat {
+    TableFormat { columns: Vec::new(), scales: Vec::new(), unit: None, ..format.clone() }
 }
 
 /// The carriage in a table of its own.
@@ -425,11 +438,12 @@ fn with_carriage<T>(
     histories: &mut Vec<T>,
     (arm, path): (&Arm, &Path),
     [name, column]: [&str; 2],
-    (read, grid): (
+    (read, grid, format): (
         impl Fn(&InputFile) -> Result<(Vec<T>, Reading), TableError>,
         impl Fn(&T) -> TimeGrid,
+        &TableFormat,
     ),
-) -> Result<Option<InputFile>, Failure> {
+) -> Result<Option<(InputFile, Reading)>, Failure> {
     if histories.len() == arm.joints().count() {
         return Ok(None);
     }
@@ -441,7 +455,13 @@ fn with_carriage<T>(
         return Err(Failure::new(Exit::InputRefused, &message, Some(hint)));
     }
     let file = InputFile::read_beside(path, name)?;
-    let (own, reading) = read(&file)?;
+    let (own, reading) = read(&file).map_err(|error| {
+        let failure = Failure::from(error);
+        let hint = "the reading options are also those of this file; or put all efforts into one table, as solve --write \
+                    does";
+        let is_given = *format != TableFormat::default();
+        if is_given { Failure { hint: Some(hint.to_owned()), ..failure } } else { failure }
+    })?;
     tell(&file.shown, &reading);
     if grid(&own[0]) != grid(&histories[0]) {
         let message =
@@ -451,7 +471,7 @@ fn with_carriage<T>(
     }
     console::note(&format!("{}: gives the column {column} beside {shown}", file.shown));
     histories.extend(own);
-    Ok(Some(file))
+    Ok(Some((file, reading)))
 }
 
 /// Pairs of gains, separated by commas.

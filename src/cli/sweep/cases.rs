@@ -277,9 +277,10 @@ impl TorqueArgs {
     fn read(&self, arm: &Arm) -> Result<Option<Efforts>, Failure> {
         let Some(path) = &self.torque else { return Ok(None) };
         let file = InputFile::read(path)?;
-        let how = (self.column.as_deref(), &TableFormat::default());
+        let format = TableFormat::default();
+        let how = (self.column.as_deref(), &format);
         let (mut torques, reading) = read_torques(&file, Joints::from(arm), how)?;
-        let of_carriage = with_force(&mut torques, arm, path)?;
+        let of_carriage = with_force(&mut torques, (arm, path), (&self.hold, &format))?;
         tell(&file.shown, &reading);
         self.hold.refuse_jitter(&file, &reading)?;
         Ok(Some(Efforts { file, of_carriage, torques }))

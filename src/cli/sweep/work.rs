@@ -54,7 +54,7 @@ impl Cases<'_> {
             None => self.solve(case, bytes),
         });
         // A case that fails has no columns.
-        let has_column = |own: &Remark| *own != Remark::WithoutWeight;
+        let has_column = |own: &Remark| !matches!(own, Remark::WithoutWeight { .. });
         Outcome::of(found, || self.remarks(case).into_iter().filter(has_column).collect())
     }
 

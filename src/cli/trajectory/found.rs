@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::cli::options::inputs::ChangeArgs;
-use crate::cli::terminal::text::{binding_text, found_text};
+use crate::cli::terminal::text::{binding_text, found_text, is_limit_of_carriage};
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 use crate::inverse::{Resources, Solution, SolutionWarning, invert_motion};
 use crate::motion::{Course, CurveError, Ends, Motion, Profile, TipMotion};
@@ -244,7 +244,7 @@ pub(super) fn limits(
         let change = match (of, key.rsplit_once('.')) {
             (Limited::Link, _) => format!("limits.{text}"),
             (Limited::Arm, Some(("carriage", key))) => format!("limits.{key}={value}"),
-            (Limited::Arm, None) if is_of_carriage(key) => format!("limits.{text}"),
+            (Limited::Arm, None) if is_limit_of_carriage(key) => format!("limits.{text}"),
             (Limited::Arm, None) => format!("links.*.limits.{text}"),
             (Limited::Arm, Some((link, key))) => format!("links.{link}.limits.{key}={value}"),
         };
@@ -252,11 +252,6 @@ pub(super) fn limits(
     };
     let limits = fit_limit.iter().map(limit).collect::<Result<Vec<_>, _>>()?;
     Ok([changes.overrides()?, limits].concat())
-}
-
-/// True for the key of a limit that only a carriage has.
-fn is_of_carriage(key: &str) -> bool {
-    key.ends_with("force") || key.starts_with("carriage_")
 }
 
 /// Refuses to search a duration without limits.

@@ -47,8 +47,8 @@ Example:
       --center 0,0 --angle '90 deg' \\
       --duration 2 --step 0.001
   flexlink trajectory septic --path line --from 0.5,-0.9 \\
-      --to 1.9,-0.6 --carriage 0,0.8 --step 0.002 \\
-      --link gantry.toml --fit-limit force=250";
+      --to 1.9,-0.6 --carriage 0,0.8 \\
+      --duration 1.5 --step 0.002";
 
 /// Make a tip motion, or the path of an arm's tip, from rest to rest.
 ///

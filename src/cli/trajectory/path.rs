@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use crate::cli::options::common::{angle_rad, quantity};
 use crate::cli::terminal::{Exit, Failure, console};
 use crate::csv::{TableFormat, read_motion_table_as};
-use crate::inverse::{SolutionWarning, check_reach};
+use crate::inverse::{InversionError, SolutionWarning, check_reach};
 use crate::motion::{ArmPath, Curve};
 use crate::numeric::Dimension;
 use crate::spec::Specification;
@@ -118,7 +118,11 @@ fn place(text: &str) -> Result<Place, String> {
 
 /// Places of a carriage at both ends.
 fn carriage(text: &str) -> Result<Place, String> {
-    if text.contains(',') { place(text) } else { Ok([0.0, length(text)?]) }
+    match text.split(',').collect::<Vec<_>>()[..] {
+        [to] => Ok([0.0, length(to)?]),
+        [from, to] => Ok([length(from)?, length(to)?]),
+        _ => Err("must be one place, or FROM,TO: 0,0.8".to_owned()),
+    }
 }
 
 fn length(text: &str) -> Result<f64, String> {
@@ -224,8 +228,16 @@ pub(super) fn reached(written: &[u8], arm: &Specification) -> Result<usize, Fail
     };
     let path = ArmPath::new(columns, &lengths_m)
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
-    let warning = check_reach(&arm.arm, &path)
-        .map_err(|error| refused(error.sample(), &error, error.hint()))?;
+    let warning = check_reach(&arm.arm, &path).map_err(|error| {
+        let is_far = path.has_carriage()
+            && matches!(
+                error,
+                InversionError::OutOfReach { .. } | InversionError::Stretched { .. }
+            );
+        let of_carriage = if is_far { ", or other places of --carriage" } else { "" };
+        let hint = error.hint().map(|hint| format!("{hint}{of_carriage}"));
+        refused(error.sample(), &error, hint.as_deref())
+    })?;
     console::warnings(warning.map(SolutionWarning::from));
     Ok(usize::from(warning.is_some()))
 }

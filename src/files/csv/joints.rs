@@ -247,8 +247,8 @@ pub fn read_hub_reference(name: &str, bytes: &[u8]) -> Result<HubReference, Tabl
 
 /// Reads the motion of an arm's joints, for a feedback or as an input: `time`, `joint1`, `joint2`, … up to `links`, and
 /// optionally `joint1_rate`, …, as in `joint_angles.csv` of `solve`; of one link that of [`read_hub_reference`], or of a
-/// carriage `carriage` and `carriage_velocity`. That of an arm's carriage comes last if the table has it. Also returns the table's deviations from the standard form. Other columns
-/// are ignored.
+/// carriage `carriage` and `carriage_velocity`. That of an arm's carriage comes last if the table has it. Also returns
+/// the table's deviations from the standard form. Other columns are ignored.
 ///
 /// # Errors
 /// Those of [`read_joint_torques`].

@@ -172,8 +172,8 @@ pub(super) fn limits(
         if must == key {
             return Ok((*of_hub, *limit));
         }
-        let joint = if joint.slides() { "a carriage" } else { "a hub" };
-        Err(Fault::on(format!("limits.{key}"), format!("must be {must} for a link on {joint}")))
+        let place = if joint.slides() { "on a carriage" } else { "at a hub" };
+        Err(Fault::on(format!("limits.{key}"), format!("must be {must} {place}")))
     };
     let limits = raw.0.iter().map(of_joint).collect::<Result<Vec<_>, _>>()?;
     let worded = |error: ParameterError| {

@@ -476,7 +476,7 @@ impl SimulatedChannel {
         let (is_link, links) = (played.joints.len() == 1, played.links.len());
         let is_of_carriage = matches!(self, Self::Carriage | Self::CarriageVelocity | Self::Force);
         let is_of_arm = self.joint().is_some() || matches!(self, Self::TipX | Self::TipY);
-        let is_own = if is_of_carriage { true } else { is_link != is_of_arm };
+        let is_own = is_of_carriage || is_link != is_of_arm;
         // The carriage of an arm is the joint after those of its links.
         let after = if is_of_carriage && !is_link { links } else { 0 };
         let joint = self.joint().unwrap_or(after);

@@ -262,7 +262,12 @@ pub enum Remark {
     },
     /// Columns of a sweep that leave the weight out.
     #[error("periods and zeros in the table are those without gravity")]
-    WithoutWeight,
+    WithoutWeight {
+        /// True for a link on a carriage.
+        slides: bool,
+        /// True for a link that keeps a known direction.
+        is_directed: bool,
+    },
 }
 
 impl Remark {
@@ -286,7 +291,7 @@ impl Remark {
             Self::Jumps { .. } => "jumps",
             Self::Timing { .. } => "timing",
             Self::UnknownSection { .. } => "unknown_section",
-            Self::WithoutWeight => "without_weight",
+            Self::WithoutWeight { .. } => "without_weight",
         }
     }
 
@@ -329,7 +334,13 @@ impl Remark {
             Self::UnknownSection { .. } => {
                 "set E and density with section, or with I and area: the share is then estimated"
             }
-            Self::WithoutWeight => "modes prints those with the weight",
+            Self::WithoutWeight { slides: false, .. } => {
+                "modes --at ANGLE prints those with the weight in one direction"
+            }
+            Self::WithoutWeight { is_directed: false, .. } => {
+                "set start_angle: the weight then counts"
+            }
+            Self::WithoutWeight { .. } => "modes prints those with the weight",
         }
     }
 }
@@ -358,7 +369,10 @@ impl Remark {
 
     /// A remark on a sweep of an arm with weight, unless its columns have the weight.
     pub fn on_weight(arm: &Arm, reports_weight: bool) -> Option<Self> {
-        (arm.has_weight() && !reports_weight).then_some(Self::WithoutWeight)
+        let slides = arm.joint().slides();
+        let is_directed = arm.alone().is_some_and(|link| link.direction_rad().is_some());
+        let without = Self::WithoutWeight { slides, is_directed };
+        (arm.has_weight() && !reports_weight).then_some(without)
     }
 
     /// A remark on a start angle beyond a whole turn.

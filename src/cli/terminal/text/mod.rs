@@ -12,4 +12,4 @@ pub(crate) use fit::fit_text;
 pub(crate) use lines::{memory_text, rows_text};
 pub(crate) use played::simulate_text;
 pub(crate) use solve::solve_text;
-pub(crate) use tables::{binding_text, found_text, modes_text, verify_text};
+pub(crate) use tables::{binding_text, found_text, is_limit_of_carriage, modes_text, verify_text};

@@ -187,7 +187,8 @@ fn times(grid: &TimeGrid) -> String {
 
 /// The motion of the hub or of the joints, if it is the input.
 fn played_angles(arm: &Arm, play: &Play<'_>) -> String {
-    let angle = arm.pick("hub angle", "joint angles");
+    let angles = arm.carriage().map_or("joint angles", |_| "joint angles and carriage");
+    let angle = arm.pick("hub angle", angles);
     match play.input {
         Input::Torques(_) => String::new(),
         Input::Angles(_) => format!("{angle}, {}, quintic spline", times(&play.input.grid())),
@@ -228,7 +229,9 @@ fn played_by(played: &Played, play: &Play<'_>) -> (&'static str, String) {
         PlayedBy::Modes(modes) => ("modes", modes_line(modes, play)),
         PlayedBy::Elastica(bent) => {
             let (angles, steps) = (bent.angles, bent.steps);
-            let what = if played.links[0].mesh.joint().slides() { "coordinates" } else { "angles" };
+            let slides = played.links[0].mesh.joint().slides();
+            let has_carriage = slides || played.joints.len() > played.links.len();
+            let what = if has_carriage { "coordinates" } else { "angles" };
             let line = format!("all terms: {angles} {what}, {steps} steps from sample to sample");
             ("order", line)
         }

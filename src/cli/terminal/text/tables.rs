@@ -199,7 +199,11 @@ pub(crate) fn found_text(fit: &Fit, values: &[LimitedValue]) -> String {
     let arm = &fit.solution.arm;
     let each = values.iter().map(|value| {
         let LimitedValue { joint, key, limit, unit, .. } = *value;
-        arm.worded(&format!("{}{key}={} {unit}", of_joint(joint), given(limit)))
+        let text = arm.worded(&format!("{}{key}={} {unit}", of_joint(joint), given(limit)));
+        let own = text
+            .strip_prefix("carriage ")
+            .filter(|own| own.split_once('=').is_some_and(|(key, _)| is_limit_of_carriage(key)));
+        own.map(str::to_owned).unwrap_or(text)
     });
     let within = each.collect::<Vec<_>>().join(", ");
     if fit.is_shortest() {
@@ -207,6 +211,11 @@ pub(crate) fn found_text(fit: &Fit, values: &[LimitedValue]) -> String {
     }
     let (tried, shorter) = (fit.shorter_tried, fit.shorter());
     format!("within {within}; {tried} of the {shorter} shorter durations were tried, none fits")
+}
+
+/// True for the key of a limit that only a carriage has.
+pub(crate) fn is_limit_of_carriage(key: &str) -> bool {
+    key.ends_with("force") || key.starts_with("carriage_")
 }
 
 fn of_joint(joint: Option<usize>) -> String {
