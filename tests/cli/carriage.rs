@@ -1222,8 +1222,10 @@ fn a_path_moves_the_carriage_of_an_arm_along_within_its_limits() {
     ] {
         let fit = format!("{line} --step 0.04 {gantry} {linear} --fit-limit {limit} -o fast.csv");
         let told = stderr(&succeeded(bench.run(&fit)));
-        let named = format!("within {}", limit.replace('.', " "));
+        let named = limit.replace("carriage.", "carriage ");
+        let is_doubled = told.contains("carriage force") || told.contains("carriage carriage");
         assert!(told.contains(&named) && !told.contains("joint 3"), "{named}: {told}");
+        assert!(!is_doubled, "{told}");
         bench.done(&format!("solve specs/carriages/gantry_arm.toml fast.csv {linear} -o fast"));
         let found = bench.number("fast", &format!("results/carriage/{key}"));
         assert!(found <= most && found > 0.9 * most, "{limit}: {found}");
