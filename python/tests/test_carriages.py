@@ -101,7 +101,9 @@ def test_an_arm_on_a_carriage_is_played() -> None:
         step=0.005,
     )
     assert path["carriage"][-1] == pytest.approx(0.8, abs=1e-15)
-    solution = flexlink.solve(arm, **path)
+    solution = flexlink.solve(
+        arm, path["time"], x=path["x"], y=path["y"], carriage=path["carriage"]
+    )
     time, torque, force = solution.time, solution.torque, solution.force
     held = flexlink.simulate(
         arm,
