@@ -13,6 +13,7 @@ use crate::model::{
     FrequencyResponse, KeptModes, ModelError, changes_on_halves, model_of, responses_with_weight,
 };
 use crate::response::{arm_modes, arm_responses};
+use crate::result::NO_DIRECTION;
 use crate::result::{BandMeshError, Refined};
 use crate::spec::Specification;
 use crate::store::{
@@ -22,7 +23,7 @@ use crate::text::{given, significant};
 
 use super::modes::falling;
 use crate::cli::options::common::{angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, NO_DIRECTION, refuse_direction, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::keep_files;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 

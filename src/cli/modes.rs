@@ -13,12 +13,13 @@ use crate::modal::{
     pose_zeros, real_frequency_zeros, torque_zeros,
 };
 use crate::response::{ArmModes, ArmShapes, PoseMode, SettledModes, arm_modes, damping_ratios};
+use crate::result::NO_DIRECTION;
 use crate::result::{LinkZeros, ModesResult, Notice, Remark, Setting, mesh_errors};
 use crate::spec::Specification;
 use crate::store::modes_json;
 
 use crate::cli::options::common::{SyncArgs, angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, NO_DIRECTION, refuse_direction, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::check_folder;
 use crate::cli::terminal::text::modes_text;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};

@@ -10,7 +10,7 @@ use super::tip::{at_times, motion_formula};
 use super::view::{COLOURS, View, peak_words};
 use super::words::{cited, formula};
 use crate::elastica::SecondOrder;
-use crate::link::{Carriage, Joint};
+use crate::link::Joint;
 use crate::numeric::largest;
 use crate::result::{JointQuantity, StoredJoint, StoredNodes};
 use crate::text::significant;
@@ -89,7 +89,7 @@ pub(super) fn carriage(view: &View) -> Vec<Figure> {
     caption.push_str(&Curve::add_limit(&mut places, travel, ("", "m"), 1));
     let title = "Place of the carriage";
     let place = view.figure("carriage", title, caption, ("place", "m"), places);
-    let joint = Joint::Prismatic(Carriage::default());
+    let joint = Joint::CARRIAGE;
     let limited = OF_CARRIAGE.iter().filter_map(|[key, title, axis, unit]| {
         let limit = own.limits.of(key)?;
         let Limited { of, .. } = LIMITED.iter().find(|topic| topic.quantity.1 == *key)?;

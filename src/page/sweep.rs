@@ -13,7 +13,7 @@ use super::tables::{readings, table};
 use super::view::nearest;
 use super::words::warning_meaning;
 use crate::compare::{Cell, Table, TableColumn};
-use crate::link::{Carriage, Joint, Link};
+use crate::link::{Joint, Link};
 use crate::result::StoredSweep;
 use crate::sweep::column_of_carriage;
 use crate::text::significant;
@@ -275,7 +275,7 @@ fn on_carriage(text: &str) -> String {
     let text =
         symbols.iter().fold(text.to_owned(), |text, own| text.replace(own, &own.replace('T', "F")));
     let text = text.replace(", or at the joint of an arm", "");
-    Joint::Prismatic(Carriage::default()).worded(&text)
+    Joint::CARRIAGE.worded(&text)
 }
 
 impl Drawn<'_> {
@@ -297,9 +297,9 @@ impl Topic {
                 let of_hub = format!("{quantity}{unit}");
                 let column = match of {
                     // A link has the columns of its joint.
-                    Of::Link => table.column(&of_hub).or_else(|| {
-                        table.column(&Joint::Prismatic(Carriage::default()).named(&of_hub))
-                    }),
+                    Of::Link => table
+                        .column(&of_hub)
+                        .or_else(|| table.column(&Joint::CARRIAGE.named(&of_hub))),
                     Of::Joint(joint) => table.column(&format!("{quantity}{joint}{unit}")),
                     Of::Carriage => table.column(&column_of_carriage(&of_hub)),
                 }?;

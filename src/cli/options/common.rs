@@ -191,7 +191,7 @@ pub(crate) fn quantity(text: &str, dimension: Dimension) -> Result<f64, String> 
 }
 
 /// Parses a length in m, or with its unit.
-fn metres(text: &str) -> Result<f64, String> {
+pub(crate) fn metres(text: &str) -> Result<f64, String> {
     quantity(text, Dimension::LENGTH)
 }
 

@@ -104,9 +104,6 @@ pub(crate) fn warn_of_gravity(link: &Link, of_carriage: &str) -> usize {
     1
 }
 
-/// Remedy for a link on a carriage without a direction.
-pub(crate) const NO_DIRECTION: &str = "set start_angle: the weight then counts";
-
 /// The step of a trajectory, and what its samples are worth.
 #[derive(Debug, Args)]
 pub struct ResampleArgs {

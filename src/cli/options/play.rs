@@ -9,12 +9,12 @@ use crate::csv::{
     read_recording, read_recording_as, read_target, read_tip_places, read_torque_table_as,
 };
 use crate::link::{Arm, ParameterError};
-use crate::numeric::{Dimension, TimeGrid};
+use crate::numeric::TimeGrid;
 use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
-use super::common::{angle_rad, finite, option, quantity};
+use super::common::{angle_rad, finite, metres, option};
 use super::inputs::{ReadArgs, tell, worded};
 use super::moves::{AtRest, Begins, Moves, Moving};
 use crate::cli::terminal::{Exit, Failure, console};
@@ -159,14 +159,14 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
 
-    /// Pose in which an arm starts at rest: the direction of each link, from its joint to the next one, in rad or with
-    /// units, as in '30 deg,75 deg' [default: the first row of the reference; for two links also of the target].
+    /// Directions of an arm's links, each from its joint to the next one, in rad or with units: '30 deg,75 deg'. The arm
+    /// starts at rest there [default: the first row of the reference; for two links also of the target].
     #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',', conflicts_with = "state")]
     at: Option<Vec<f64>>,
 
     /// Place of an arm's carriage where it starts with --at or at the target, in m or with its unit [default: 0].
-    #[arg(long, value_name = "PLACE", value_parser = length, allow_hyphen_values = true)]
+    #[arg(long, value_name = "PLACE", value_parser = metres, allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["state", "reference"])]
     carriage_at: Option<f64>,
 }
@@ -390,11 +390,6 @@ impl PlayArgs {
         let input = input.into_iter().chain(column).chain(until).chain(periodic);
         input.chain(hold).chain(feedback).chain(at).flatten().collect()
     }
-}
-
-/// A length in m.
-fn length(text: &str) -> Result<f64, String> {
-    quantity(text, Dimension::LENGTH)
 }
 
 /// Adds the force of an arm's carriage from force.csv beside the file of the torques, unless this file has it.

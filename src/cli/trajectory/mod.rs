@@ -81,8 +81,8 @@ pub struct Trajectory {
 
     /// Limit beside those of the link file, torque=5, force=5000 or 'power="20 W"', or in place of the one with the same key;
     /// repeatable. Finds the shortest duration that keeps all limits. Keys as in [limits]; with --path for all
-    /// joints, or for one, fore.torque=5, or for the carriage, force=200 or carriage.power=500. Tries every shorter duration or, if there are very many, about a thousand,
-    /// and prints how many.
+    /// joints, or for one, fore.torque=5, or for the carriage, force=200 or carriage.power=500. Tries every shorter
+    /// duration or, if there are very many, about a thousand, and prints how many.
     #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
     fit_limit: Vec<String>,
 

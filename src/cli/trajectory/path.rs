@@ -4,12 +4,11 @@ use std::fmt::Display;
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::options::common::{angle_rad, quantity};
+use crate::cli::options::common::{angle_rad, metres};
 use crate::cli::terminal::{Exit, Failure, console};
 use crate::csv::{TableFormat, read_motion_table_as};
 use crate::inverse::{InversionError, SolutionWarning, check_reach};
 use crate::motion::{ArmPath, Curve};
-use crate::numeric::Dimension;
 use crate::spec::Specification;
 use crate::text::plain;
 
@@ -32,7 +31,7 @@ fn stop(text: &str) -> Result<Travel, String> {
 }
 
 pub(super) fn travel(text: &str) -> Result<Travel, String> {
-    let length = quantity(text, Dimension::LENGTH).map(Travel::Length);
+    let length = metres(text).map(Travel::Length);
     let travel = length.or_else(|_| angle_rad(text).map(Travel::Angle));
     travel.map_err(|_| "must be a length, 0.5 or '65.8 cm', or an angle, '90 deg'".to_owned())
 }
@@ -72,7 +71,7 @@ pub struct PathArgs {
 
     /// Round the corners at --via, from this length before each to as much after it, in m or with its unit:
     /// with continuous curvature, and without a stop.
-    #[arg(long, help_heading = PATHS, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    #[arg(long, help_heading = PATHS, value_name = "LENGTH", value_parser = metres, allow_hyphen_values = true)]
     #[arg(requires = "via")]
     corner: Option<f64>,
 
@@ -113,20 +112,16 @@ fn place(text: &str) -> Result<Place, String> {
     if y.contains(',') {
         return Err(must());
     }
-    Ok([length(x)?, length(y)?])
+    Ok([metres(x)?, metres(y)?])
 }
 
 /// Places of a carriage at both ends.
 fn carriage(text: &str) -> Result<Place, String> {
     match text.split(',').collect::<Vec<_>>()[..] {
-        [to] => Ok([0.0, length(to)?]),
-        [from, to] => Ok([length(from)?, length(to)?]),
+        [to] => Ok([0.0, metres(to)?]),
+        [from, to] => Ok([metres(from)?, metres(to)?]),
         _ => Err("must be one place, or FROM,TO: 0,0.8".to_owned()),
     }
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    quantity(text, Dimension::LENGTH)
 }
 
 impl PathArgs {

@@ -17,7 +17,7 @@ use super::value::{
     quantity, tables,
 };
 use crate::elastica::SecondOrder;
-use crate::link::{Carriage, Joint};
+use crate::link::Joint;
 use crate::numeric::Dimension;
 use crate::result::JointQuantity;
 
@@ -279,7 +279,7 @@ pub(super) const OF_CARRIAGE: [(&str, &str, Dimension); 5] = [
 /// Keys of `[limits]`, each with its dimension and its meaning: those of [`QUANTITIES`](crate::result::QUANTITIES), then those
 /// of a carriage.
 fn limit_keys() -> impl Iterator<Item = (&'static str, Dimension, String)> {
-    let carriage = Joint::Prismatic(Carriage::default());
+    let carriage = Joint::CARRIAGE;
     let what = move |of_hub| JointQuantity::of_limit(of_hub).map_or("", |own| own.what);
     let of_carriage = OF_CARRIAGE.into_iter();
     let of_carriage = of_carriage

@@ -96,7 +96,7 @@ pub struct RunInputs {
 pub struct SimulateFiles<'a> {
     /// What is played.
     pub input: &'a InputFile,
-    /// What is played on the carriage of an arm, if it is a file of its own.
+    /// The input of an arm's carriage, if it is a separate file.
     pub carriage: Option<&'a InputFile>,
     /// The wanted motion, if there is one.
     pub target: Option<&'a InputFile>,
@@ -104,7 +104,7 @@ pub struct SimulateFiles<'a> {
     pub measured: Option<&'a InputFile>,
     /// The reference of a feedback, if there is one.
     pub reference: Option<&'a InputFile>,
-    /// That of the carriage of an arm, if it is a file of its own.
+    /// The reference of an arm's carriage, if it is a separate file.
     pub carriage_reference: Option<&'a InputFile>,
     /// The state at the start, if there is one.
     pub state: Option<&'a InputFile>,

@@ -301,11 +301,10 @@ impl Follower<'_> {
             let on_chord = self.on_chord(link, &state.chords[link]);
             let time = on_chord.chord.at(pair);
             let histories = histories.pop().unwrap_or_default();
-            let deflections = on_chord.weighed.map(|_| histories[..2 * own.nodes_m.len()].to_vec());
-            let loads = own.loads((histories, &time));
+            let loads = own.loads((&histories, &time));
             let mut loads = loads.map_err(|error| self.of_link(link, error))?;
-            if let Some((weighed, deflections)) = on_chord.weighed.zip(deflections) {
-                weighed.restore(&deflections, &mut loads.nodal);
+            if let Some(weighed) = on_chord.weighed {
+                weighed.restore(&histories, &mut loads.nodal);
             }
             largest_slope = is_one.then_some(loads.largest_slope);
             let link_answers = on_chord.with_loads(&linear.answers[link], &loads.nodal, pair);

@@ -144,7 +144,7 @@ impl BentLink {
     pub(super) fn at_each_instant(
         &self,
         columns: usize,
-        (histories, chord): (Vec<Vec<f64>>, &ChordHistories),
+        (histories, chord): (&[Vec<f64>], &ChordHistories),
         write: impl Fn(&Instant<'_>, &mut Scratch, &mut [f64]) -> f64 + Sync,
     ) -> (Vec<Vec<f64>>, f64) {
         let width = 2 * self.nodes_m.len();
@@ -191,7 +191,7 @@ impl BentLink {
     /// [`ElasticaError::TooSteep`].
     pub(super) fn loads(
         &self,
-        states: (Vec<Vec<f64>>, &ChordHistories),
+        states: (&[Vec<f64>], &ChordHistories),
     ) -> Result<LoadHistories, ElasticaError> {
         let write = |now: &Instant<'_>, scratch: &mut _, row: &mut _| self.write(now, scratch, row);
         let (mut nodal, largest_slope) = self.at_each_instant(self.columns(), states, write);

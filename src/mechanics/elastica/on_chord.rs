@@ -270,7 +270,8 @@ impl LinkOnChord<'_> {
         );
         let pair = self.chord.pair_for(band);
         let chord = self.chord.at(&pair);
-        let states = (self.histories(&answers[..band], 3, &pair), &chord);
+        let histories = self.histories(&answers[..band], 3, &pair);
+        let states = (&histories[..], &chord);
         let columns = 2 * self.model.mesh().nodes_m().len();
         let (shapes, largest_slope) = link
             .at_each_instant(columns, states, |now, scratch, row| link.shape(now, scratch, row));
@@ -484,7 +485,8 @@ mod tests {
         };
         let answers = on_chord.linear().unwrap();
         let all_of = |bent: &BentLink| {
-            let states = (on_chord.histories(&answers, 3, &chord.pair), &chord.histories);
+            let histories = on_chord.histories(&answers, 3, &chord.pair);
+            let states = (&histories[..], &chord.histories);
             let all = bent.at_each_instant(2, states, |now, scratch, row| {
                 bent.place(now, scratch);
                 row.copy_from_slice(&[-now.tip.along_n, -now.tip.across_n]);
@@ -511,9 +513,8 @@ mod tests {
             let own = if order == SecondOrder::None {
                 on_chord.linear_ends(&answers)
             } else {
-                let states =
-                    (on_chord.histories(&answers, bent.orders(), &chord.pair), &chord.histories);
-                let found = bent.loads(states).unwrap();
+                let histories = on_chord.histories(&answers, bent.orders(), &chord.pair);
+                let found = bent.loads((&histories, &chord.histories)).unwrap();
                 let along = found.axial_n.iter().map(|axial| -axial).collect();
                 let across = chord.pair.samples(on_chord.across_n(&bent.straight(), &answers));
                 [

@@ -278,8 +278,8 @@ pub(super) fn thick_link(share: f64) -> Option<Warning> {
     (share > NOTICEABLE).then_some(Warning::ThickLink { share })
 }
 
-/// Frequencies below a limit in rad/s at which no torque moves the output, with the weight of a link that keeps its
-/// direction; on a long mesh those of the link's coarsest one.
+/// Frequencies below a limit in rad/s at which no torque moves the output. A link that keeps its direction has its weight
+/// there, on a long mesh that of its coarsest mesh.
 pub(super) fn blocked_rad_s(model: &dyn Model, limit_rad_s: f64) -> Vec<f64> {
     let (link, mesh) = (model.link(), model.mesh());
     let outward_m_s2 = link.outward_m_s2();

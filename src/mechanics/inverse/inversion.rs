@@ -3,6 +3,8 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use num_complex::Complex64;
+
 use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
 use super::arm::{ArmProblem, Solver, diverged, invert_arm};
@@ -17,8 +19,6 @@ use super::solution::{
     Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Shape, Solution,
 };
 use super::warning::{SolutionWarning, Warning};
-use num_complex::Complex64;
-
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ElasticaError, SecondOrder};
 use crate::link::{Arm, Link};

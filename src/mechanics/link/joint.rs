@@ -60,6 +60,10 @@ pub enum Joint {
 }
 
 impl Joint {
+    /// A carriage, for its words and names alone.
+    pub(crate) const CARRIAGE: Self =
+        Self::Prismatic(Carriage { mass_kg: 0.0, viscous_friction_n_s_m: 0.0 });
+
     /// Inertia of the joint alone: `I_H` of a hub in kg m², M of a carriage in kg.
     pub fn inertia(&self) -> f64 {
         match self {
@@ -144,7 +148,7 @@ mod tests {
 
     #[test]
     fn words_of_a_hub_become_those_of_a_carriage() {
-        let carriage = Joint::Prismatic(Carriage::default());
+        let carriage = Joint::CARRIAGE;
         for (of_hub, own) in [
             ("the torque returns to 2 N m", "the force returns to 2 N"),
             ("EI = 5 N m², 3 rad/s of 4 rad", "EI = 5 N m², 3 m/s of 4 m"),

@@ -113,8 +113,8 @@ fn on_joint(mesh: &Mesh, outward_m_s2: f64) -> [DMatrix<f64>; 2] {
     [mass, stiffness]
 }
 
-/// Zeros of the effort → output of a link with gravity `outward_m_s2` along it: the first `count` real ones in 1/s, and those
-/// at real frequencies below `limit_rad_s`, in rad/s.
+/// Zeros of the effort → output of a link with gravity `outward_m_s2` along it: the first `count` real ones in 1/s, and
+/// those at real frequencies below `limit_rad_s`, in rad/s.
 ///
 /// At a zero an effort at the joint alone leaves the output at rest: the matrix `K − λM` without the row of the joint
 /// and the column of the output is singular. `None` for more than [`MOST_ELEMENTS_OF_A_POSE`] elements.
@@ -229,8 +229,8 @@ impl WeighedLink {
         [-square * (self.momentum_kg(&all) + self.carriage_kg), all[self.output][0]]
     }
 
-    /// Force on the carriage, and deflections, that keep the output on the chord, as [`loaded_motion`](crate::beam::loaded_motion)
-    /// without weight.
+    /// Force on the carriage, and deflections, that keep the output on the chord; without weight those of
+    /// [`loaded_motion`](crate::beam::loaded_motion).
     pub(crate) fn loaded_motion(
         &self,
         omega_rad_s: f64,

@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::metrics::{JointMetrics, Metrics, PlayedMetrics};
 use super::quantities::{Errors, JointQuantity, QUANTITIES};
 use crate::inverse::Solution;
-use crate::link::{Carriage, Drive, Joint, ParameterError};
+use crate::link::{Drive, Joint, ParameterError};
 use crate::text::{given, significant};
 
 /// The largest values that a joint, its link and its motor may reach, in SI, by the keys of [`QUANTITIES`];
@@ -34,7 +34,7 @@ impl TryFrom<BTreeMap<String, f64>> for Limits {
     type Error = ParameterError;
 
     fn try_from(stored: BTreeMap<String, f64>) -> Result<Self, ParameterError> {
-        let carriage = Joint::Prismatic(Carriage::default());
+        let carriage = Joint::CARRIAGE;
         let key_of = |name: &str| {
             JointQuantity::with_limit().find(|(key, own)| {
                 let of_hub = stored_key(own, key);

@@ -14,6 +14,9 @@ use crate::modal::{LoweredMode, Thickness};
 use crate::motion::{Motion, Uncertainty};
 use crate::text::significant;
 
+/// Remedy for the weight of a link on a carriage without a direction.
+pub(crate) const NO_DIRECTION: &str = "set start_angle: the weight then counts";
+
 /// Densities of solids in kg/m³: the lightest foams and osmium, with little beside.
 pub(super) const DENSITIES_KG_M3: RangeInclusive<f64> = 25.0..=25_000.0;
 
@@ -337,9 +340,7 @@ impl Remark {
             Self::WithoutWeight { slides: false, .. } => {
                 "modes --at ANGLE prints those with the weight in one direction"
             }
-            Self::WithoutWeight { is_directed: false, .. } => {
-                "set start_angle: the weight then counts"
-            }
+            Self::WithoutWeight { is_directed: false, .. } => NO_DIRECTION,
             Self::WithoutWeight { .. } => "modes prints those with the weight",
         }
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::inverse::Solution;
-use crate::link::{Arm, Carriage, Hub, Joint};
+use crate::link::{Arm, Hub, Joint};
 use crate::modal::reported_zeros;
 use crate::response::{Played, PlayedLink, ResidualVibration};
 use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
@@ -127,7 +127,7 @@ fn of_carriage(
 
 /// Name of a column of an arm's carriage, from that of a hub.
 pub fn column_of_carriage(of_hub: &str) -> String {
-    let named = Joint::Prismatic(Carriage::default()).named(of_hub);
+    let named = Joint::CARRIAGE.named(of_hub);
     // Times and powers have no word of the carriage in their names.
     if named == of_hub { format!("carriage_{named}") } else { named }
 }
@@ -207,11 +207,7 @@ impl SweepKind {
     /// Names of the columns.
     pub fn names(self) -> Vec<String> {
         let (Self::Solved { joints, slides, .. } | Self::Played { joints, slides }) = self;
-        let of = if slides {
-            Joint::Prismatic(Carriage::default())
-        } else {
-            Joint::Revolute(Hub::default())
-        };
+        let of = if slides { Joint::CARRIAGE } else { Joint::Revolute(Hub::default()) };
         let name = |column| match column {
             Column::Solved((name, _)) | Column::Played((name, _)) => of.named(name),
             Column::Joint(_, own) if joints == 1 => of.named(&own.column(None)),
