@@ -26,8 +26,7 @@ pub use modes::{LinkZeros, ModesResult, Setting};
 pub use peak::Peak;
 pub(crate) use quantities::by_name;
 pub use quantities::{JointQuantity, QUANTITIES, Shown, Unit};
-pub(crate) use remark::NO_DIRECTION;
-pub use remark::Remark;
+pub use remark::{NO_DIRECTION, Remark};
 pub use stored::{
     LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArc, StoredCarriage, StoredInput,
     StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSweep,

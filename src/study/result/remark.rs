@@ -15,7 +15,7 @@ use crate::motion::{Motion, Uncertainty};
 use crate::text::significant;
 
 /// Remedy for the weight of a link on a carriage without a direction.
-pub(crate) const NO_DIRECTION: &str = "set start_angle: the weight then counts";
+pub const NO_DIRECTION: &str = "set start_angle: the weight then counts";
 
 /// Densities of solids in kg/m³: the lightest foams and osmium, with little beside.
 pub(super) const DENSITIES_KG_M3: RangeInclusive<f64> = 25.0..=25_000.0;
