@@ -40,6 +40,7 @@
 //! | `study` | [`compare`] | tables against tables, column by column; tolerances |
 //! | | [`result`] | peaks and other numbers of a run, limits; a simulation beside a recording; a run read back |
 //! | | [`sweep`] | many cases in parallel, in a fixed order; their numbers; shards |
+//! | | [`robust`] | the tip of plants that differ from the model, over intervals of the link's values |
 //! | | [`verify`] | every approximation of a solution, measured by an independent method |
 //! | | [`fit`] | parameters of a link from measured frequencies, zeros and damping ratios; which of them these do not determine |
 //! | `files` | [`spec`] | link file and `--set` → [`link::Link`]; files of tolerances and of measured values |
@@ -159,4 +160,4 @@ pub use files::{csv, measured, spec, store};
 pub use mechanics::{
     beam, elastica, inverse, link, modal, model, motion, numeric, recording, response, system, text,
 };
-pub use study::{compare, fit, result, sweep, verify};
+pub use study::{compare, fit, result, robust, sweep, verify};

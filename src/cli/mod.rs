@@ -9,6 +9,7 @@ pub mod modes;
 pub mod options;
 pub mod problem;
 mod report;
+mod robust;
 mod setup;
 pub mod simulate;
 pub mod solve;
@@ -52,6 +53,7 @@ enum Command {
     Frf(frf::Frf),
     Fit(fit::Fit),
     Sweep(Box<sweep::Sweep>),
+    Robust(Box<robust::Robust>),
     Trajectory(Box<trajectory::Trajectory>),
     Compare(compare::Compare),
     Report(report::Report),
@@ -91,7 +93,11 @@ impl Command {
             interrupt::end_in_order();
         }
         // These commands start as many threads as their option says.
-        if !matches!(self, Self::Solve(_) | Self::Simulate(_) | Self::Verify(_) | Self::Sweep(_)) {
+        let has_threads = matches!(
+            self,
+            Self::Solve(_) | Self::Simulate(_) | Self::Verify(_) | Self::Sweep(_) | Self::Robust(_)
+        );
+        if !has_threads {
             ThreadArgs::default().start()?;
         }
         let done = match self {
@@ -103,6 +109,7 @@ impl Command {
             Self::Frf(frf) => frf.run(),
             Self::Fit(fit) => fit.run(),
             Self::Sweep(sweep) => sweep.run(),
+            Self::Robust(robust) => robust.run(),
             Self::Trajectory(trajectory) => trajectory.run(),
             Self::Report(report) => report.run(),
             Self::Init(init) => init.run(),

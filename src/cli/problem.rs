@@ -237,9 +237,14 @@ impl Solved {
         let arm = &self.solution.arm;
         let remarks = self.remarks().iter().filter(|own| !matches!(own, Remark::Duration { .. }));
         console::remarks(remarks.map(|own| Notice::from(own).worded(arm)));
-        let warnings = self.solution.warnings.iter();
-        console::warnings(warnings.map(|own| Notice::from(own).worded(arm)));
+        console::warnings(self.warnings());
         self.solution.warnings.len()
+    }
+
+    /// The warnings of the solution, in the words of its first joint.
+    pub(crate) fn warnings(&self) -> Vec<Notice> {
+        let warnings = self.solution.warnings.iter();
+        warnings.map(|own| Notice::from(own).worded(&self.solution.arm)).collect()
     }
 }
 

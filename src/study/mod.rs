@@ -3,5 +3,6 @@
 pub mod compare;
 pub mod fit;
 pub mod result;
+pub mod robust;
 pub mod sweep;
 pub mod verify;

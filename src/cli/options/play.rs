@@ -172,7 +172,7 @@ pub(crate) struct PlayArgs {
 }
 
 /// Pairs of gains.
-type Gains = Vec<(f64, f64)>;
+pub(crate) type Gains = Vec<(f64, f64)>;
 
 /// The files of a simulation beside that of link or arm, read.
 pub(crate) struct Playing {
@@ -470,7 +470,7 @@ fn with_carriage<T>(
 }
 
 /// Pairs of gains, separated by commas.
-fn gains(text: &str) -> Result<Gains, String> {
+pub(crate) fn gains(text: &str) -> Result<Gains, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse::<f64>().ok()).collect();
     let pairs = numbers.filter(|numbers| numbers.len().is_multiple_of(2));

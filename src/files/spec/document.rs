@@ -1,11 +1,13 @@
 //! Files of a link, and of an arm: a chain of links, each with the keys of a link file.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 
 use super::convert::{LinkKeys, limits, link_keys};
 use super::error::{Fault, SpecError};
 use super::overrides::{Override, apply};
-use super::raw::{RawAnalysis, RawLimits, RawMesh};
+use super::raw::{RawAnalysis, RawLimits, RawMesh, UNCERTAINTY};
 use super::tree::{Kind, Node, Place};
 use super::value::{AlongAxes, Angle, Axis, Mass, SlidingFriction, tables};
 use crate::beam::MeshPlan;
@@ -17,7 +19,7 @@ use crate::result::{JointQuantity, Limits, Remark};
 pub(super) const SHARED: [&str; 2] = ["mesh", "analysis"];
 
 /// Further keys of an arm that apply to its link if it has only one.
-pub(super) const OF_ARM: [&str; 3] = ["title", "gravity", "start_angle"];
+pub(super) const OF_ARM: [&str; 4] = ["title", "gravity", "start_angle", UNCERTAINTY];
 
 /// The checked content of a file: one link, or an arm of several.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +63,8 @@ struct RawArm {
     limits: Option<RawLimits>,
     #[serde(deserialize_with = "tables")]
     links: Vec<RawArmLink>,
+    #[serde(rename = "uncertainty")]
+    _uncertainty: BTreeMap<String, String>,
     #[serde(rename = "mesh")]
     _mesh: RawMesh,
     #[serde(rename = "analysis")]
@@ -99,7 +103,7 @@ pub fn read_specification(
 /// The text of a link file, parsed once for many sets of overrides, but not checked yet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkDocument {
-    tree: Node,
+    pub(super) tree: Node,
 }
 
 impl LinkDocument {

@@ -168,7 +168,7 @@ impl LinkDocument {
 }
 
 /// A number of the file and its unit.
-fn number(node: &Node) -> Option<(f64, &str)> {
+pub(super) fn number(node: &Node) -> Option<(f64, &str)> {
     match &node.kind {
         Kind::Integer(number) => Some((*number as f64, "")),
         Kind::Number(number) => Some((*number, "")),
@@ -178,7 +178,7 @@ fn number(node: &Node) -> Option<(f64, &str)> {
 }
 
 /// Collects the values below a node that a change has written.
-fn leaves_of<'a>(node: &'a Node, place: Place, found: &mut Vec<&'a Node>) {
+pub(super) fn leaves_of<'a>(node: &'a Node, place: Place, found: &mut Vec<&'a Node>) {
     match &node.kind {
         Kind::Table(entries) => entries.iter().for_each(|(_, node)| leaves_of(node, place, found)),
         Kind::List(items) => items.iter().for_each(|node| leaves_of(node, place, found)),

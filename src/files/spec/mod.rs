@@ -24,6 +24,7 @@ mod schema;
 mod segment;
 mod tolerances;
 mod tree;
+mod uncertain;
 mod value;
 
 pub use document::{LinkDocument, Specification, read_specification};
@@ -35,3 +36,4 @@ pub use measured::{
 pub use overrides::Override;
 pub use schema::{link_file_schema, unit_of_key};
 pub use tolerances::read_tolerances;
+pub use uncertain::Uncertain;

@@ -2,6 +2,7 @@
 //! their comments and ranges make the JSON Schema.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::LazyLock;
 
@@ -20,6 +21,9 @@ use crate::elastica::SecondOrder;
 use crate::link::Joint;
 use crate::numeric::Dimension;
 use crate::result::JointQuantity;
+
+/// Key of the table of intervals.
+pub(super) const UNCERTAINTY: &str = "uncertainty";
 
 /// Link file of flexlink.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -63,6 +67,9 @@ pub(super) struct RawSpecification {
     pub(super) drive: Option<RawDrive>,
     /// Limits of link and motor; exceeding one is a warning, with --strict an error.
     pub(super) limits: RawLimits,
+    /// Intervals of values, for robust: "segments.*.EI*" = "±5%", "payload.mass" = "±20 g", "damping.ratio" = "0.005..0.02".
+    #[serde(rename = "uncertainty")]
+    pub(super) _uncertainty: BTreeMap<String, String>,
     /// Finite elements.
     pub(super) mesh: RawMesh,
     /// Accuracy, time window and modes of the answer.

@@ -16,7 +16,7 @@ use crate::numeric::{TimeGrid, dot};
 const LAST_STEPS: usize = 1 << 20;
 
 /// Orders that each refinement adds to the polynomials.
-const MORE_ORDERS: usize = 2;
+pub(super) const MORE_ORDERS: usize = 2;
 
 /// Change by the last refinement, over the motion, above which a motion counts as unsettled.
 const UNSETTLED: f64 = 1e-4;
@@ -53,6 +53,9 @@ pub(super) struct DrivenLinks<'a> {
     pub(super) grid: &'a TimeGrid,
     pub(super) start: InitialMotion,
     pub(super) cycle: Option<Cycle>,
+    /// Whether work and losses of an arm are summed over the stages of the steps. `checks` integrates those of one link
+    /// from its samples.
+    pub(super) has_energies: bool,
 }
 
 /// Refines the motion until tip and joints change by less than `tolerance` of their motion, or to the finest level.
@@ -131,7 +134,7 @@ impl Drive {
 
 impl DrivenLinks<'_> {
     /// Integrates with `steps` steps from one sample to the next; `report` receives the number of finished samples.
-    fn play(self, steps: usize, report: impl Fn(usize)) -> Result<BentMotion, SimulationError> {
+    pub(super) fn play(self, steps: usize, report: impl Fn(usize)) -> Result<BentMotion, SimulationError> {
         let (grid, count) = (*self.grid, self.linkage.count);
         // Linear parts of all forces, for the matrix of Radau's iteration.
         let (mut stiffness, mut damping) =
@@ -168,8 +171,7 @@ impl DrivenLinks<'_> {
                 .map(|sum| sum.last().copied().unwrap_or_default());
             for step in 0..steps {
                 self.step(&mut radau, &mut motion, (sample - 1, step, steps))?;
-                // An arm's energy is summed over the stages; `checks` integrates that of one link from its samples.
-                if is_arm {
+                if self.has_energies {
                     let stages = radau.reached();
                     // In an arm the damping turns with no reference.
                     let losses = stages.iter().map(|stage| self.linkage.lost_w(&stage.rates, 0.0));
@@ -181,7 +183,7 @@ impl DrivenLinks<'_> {
                     work_j += radau.integral(powers);
                 }
             }
-            if is_arm {
+            if self.has_energies {
                 played.play.work_j.push(work_j);
                 played.play.lost_j.push(lost_j);
             }

@@ -30,6 +30,7 @@ mod shape;
 mod simulation;
 mod state;
 mod stepper;
+mod tip;
 
 pub use bent::{BentPlay, JointMotion};
 pub use checks::{EnergyAccount, EnergyBalance, PlayError};
@@ -50,3 +51,4 @@ pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
 pub use simulation::{MovedJoint, move_arm, simulate};
 pub use state::{LinkState, State};
+pub use tip::{PlayedTip, TipCourse, simulate_tip};

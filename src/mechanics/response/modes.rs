@@ -177,7 +177,7 @@ impl Equations {
 }
 
 /// Share of the motion above the torque's band.
-const NEGLIGIBLE: f64 = 1e-12;
+pub(super) const NEGLIGIBLE: f64 = 1e-12;
 
 /// Highest frequency of kept modes, over the band. Higher modes follow the torque statically to within (1/factor)² of
 /// their small share, as does the residual mode in their place.
@@ -206,8 +206,8 @@ pub struct ModeSelection {
 /// Frequency in rad/s above which a torque of these samples hardly moves a link.
 ///
 /// An amplitude T̂ moves a rigid link by T̂/(Iω²). Sums these from the Nyquist frequency down until the sum exceeds
-/// [`NEGLIGIBLE`] times the whole motion. `None` for a torque of zero.
-pub(super) fn torque_band_rad_s(grid: &TimeGrid, samples: &[f64]) -> Option<f64> {
+/// a `share` of the whole motion, see [`NEGLIGIBLE`]. `None` for a torque of zero.
+pub(super) fn torque_band_rad_s(grid: &TimeGrid, samples: &[f64], share: f64) -> Option<f64> {
     let whole = largest_excursion(samples) * grid.step_s.powi(2);
     if whole == 0.0 {
         return None;
@@ -221,7 +221,7 @@ pub(super) fn torque_band_rad_s(grid: &TimeGrid, samples: &[f64]) -> Option<f64>
     let mut above = 0.0;
     for k in (1..amplitudes.len()).rev() {
         above += 2.0 * magnitude(amplitudes[k]) / omega(k).powi(2);
-        if above > NEGLIGIBLE * whole {
+        if above > share * whole {
             return Some(omega(k));
         }
     }
@@ -483,7 +483,7 @@ mod tests {
 
     fn band_rad_s(steps: u32, step_s: f64, torque_n_m: f64) -> f64 {
         let (grid, samples) = pulse(steps, step_s, torque_n_m);
-        torque_band_rad_s(&grid, &samples).unwrap()
+        torque_band_rad_s(&grid, &samples, NEGLIGIBLE).unwrap()
     }
 
     #[test]
@@ -496,7 +496,7 @@ mod tests {
             let found = band_rad_s(200, 0.01 / faster, 1.0);
             assert!((found / (band * faster) - 1.0).abs() < 1e-12, "{found} is not {band} times");
         }
-        assert_eq!(torque_band_rad_s(&pulse(9, 0.1, 0.0).0, &[0.0; 28]), None);
+        assert_eq!(torque_band_rad_s(&pulse(9, 0.1, 0.0).0, &[0.0; 28], NEGLIGIBLE), None);
     }
 
     /// sin⁸ over T has seven continuous derivatives. From a few times 2π/T on its spectrum falls as ω⁻⁹, and the motion

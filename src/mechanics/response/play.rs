@@ -7,7 +7,7 @@ use super::driving::{CycleError, Driving, Interpolation};
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{Feedback, HubReference, Torque};
 use super::modes::{
-    Equations, HubReaction, MOST_MODES, ModeSelection, REACH, held, in_loop, kept_modes,
+    Equations, HubReaction, MOST_MODES, ModeSelection, NEGLIGIBLE, REACH, held, in_loop, kept_modes,
     torque_band_rad_s,
 };
 use super::pose::Start;
@@ -188,20 +188,21 @@ impl<'a> Play<'a> {
         continued(self.input.grid(), self.until_s)
     }
 
-    /// Highest frequency in rad/s of the input. `None` for an input of zero.
-    pub(super) fn band_rad_s(&self) -> Option<f64> {
+    /// Frequency in rad/s above which the input moves a rigid link by less than a `share`. `None` for an input of zero.
+    pub(super) fn band_rad_s(&self, share: f64) -> Option<f64> {
         let grid = self.input.grid();
         let torque = match self.input {
-            Input::Torques(torques) => torque_band_rad_s(&grid, torques[0].torque_n_m()),
+            Input::Torques(torques) => torque_band_rad_s(&grid, torques[0].torque_n_m(), share),
             Input::Angles(hubs) => {
-                return torque_band_rad_s(&grid, &hubs[0].accelerations(self.cycle_turn_rad).0);
+                let (samples, ..) = hubs[0].accelerations(self.cycle_turn_rad);
+                return torque_band_rad_s(&grid, &samples, share);
             }
         };
         // The reference's rate, unlike its angle, is zero at both ends.
         let drives = |of: &&Feedback| of.stiffness_n_m_rad() > 0.0 || of.damping_n_m_s_rad() > 0.0;
         let repeats = self.cycle_turn_rad.is_some();
         let wanted = self.feedback.first().filter(drives).map(|of| of.rate_rad_s(repeats));
-        let wanted = wanted.and_then(|rate| torque_band_rad_s(&grid, &rate));
+        let wanted = wanted.and_then(|rate| torque_band_rad_s(&grid, &rate, share));
         torque.into_iter().chain(wanted).reduce(f64::max)
     }
 
@@ -213,7 +214,7 @@ impl<'a> Play<'a> {
         let moving = |samples: &[f64]| {
             let there_and_back = samples.iter().chain(samples.iter().rev());
             let moving: Vec<f64> = there_and_back.map(|own| own - samples[0]).collect();
-            torque_band_rad_s(&twice, &moving)
+            torque_band_rad_s(&twice, &moving, NEGLIGIBLE)
         };
         let inputs: Vec<Option<f64>> = match self.input {
             Input::Torques(torques) => {

@@ -3,11 +3,12 @@
 use super::bent::BentMotion;
 use super::chain::play_bytes;
 use super::checks::of_bent;
-use super::driver::{Drive, DrivenLinks, InitialMotion, refine};
+use super::driver::{Drive, DrivenLinks, InitialMotion, MORE_ORDERS, refine};
 use super::driving::{CycleError, Driving, Interpolation};
 use super::error::{SimulationError, SimulationWarning};
 use super::linear::play_modes;
 use super::linkage::Linkage;
+use super::modes::NEGLIGIBLE;
 use super::play::{Input, Play, PlayProgress, refuse_memory};
 use super::played::{Played, PlayedBy, PlayedLink};
 use super::pose::{Start, at_rest, without_noise};
@@ -97,7 +98,7 @@ pub(crate) fn simulate_on(
 
 /// Highest frequency in rad/s of a link's input; 0 for a state.
 fn driven_rad_s(play: &Play<'_>) -> Result<f64, SimulationError> {
-    play.band_rad_s().or(play.state.map(|_| 0.0)).ok_or(play.nothing())
+    play.band_rad_s(NEGLIGIBLE).or(play.state.map(|_| 0.0)).ok_or(play.nothing())
 }
 
 impl PlayedLink {
@@ -116,6 +117,42 @@ fn play_bent(
     play: &Play<'_>,
     (tolerance, watch): (f64, &dyn Fn(PlayProgress)),
 ) -> Result<Played, SimulationError> {
+    let (played, grid) = (bent_links(arm, meshes, play)?, play.grid()?);
+    let bending = Bending { arm, links: &played, play, drives: drives(arm, play)?, grid: &grid };
+    let refined = (grid.len, tolerance, MOST_REFINEMENTS);
+    let mut motion = refine(|more, before| bending.driven_links(more, before), refined, watch)?;
+    if arm.links().len() > 1 {
+        let weight_n_m = arm.weight_moment_n_m();
+        for (number, joint) in motion.joints.iter_mut().enumerate() {
+            let size = weight_n_m / motion.play.linkage.size_of(number);
+            joint.holding_n_m = joint.holding_n_m.map(|own| without_noise(own, size));
+        }
+    }
+    let warnings = of_bent(arm, play, &motion, &played[0]);
+    Ok(of_motion(motion, (grid, play.input.grid().len), played, warnings))
+}
+
+/// The grid and the tip of bent links at one refinement.
+pub(super) fn bent_tip(
+    arm: &Arm,
+    meshes: Vec<Mesh>,
+    play: &Play<'_>,
+    refinements: usize,
+) -> Result<(TimeGrid, Vec<Vec<f64>>), SimulationError> {
+    let (played, grid) = (bent_links(arm, meshes, play)?, play.grid()?);
+    let bending = Bending { arm, links: &played, play, drives: drives(arm, play)?, grid: &grid };
+    let links = bending.driven_links(refinements * MORE_ORDERS, None)?;
+    let links = DrivenLinks { has_energies: false, ..links };
+    let motion = links.play(1 << refinements, |_| {})?;
+    Ok((grid, motion.tip.into_iter().map(|axis| axis.displacement_m).collect()))
+}
+
+/// The links with their damping laws; refuses what bent links cannot play.
+fn bent_links(
+    arm: &Arm,
+    meshes: Vec<Mesh>,
+    play: &Play<'_>,
+) -> Result<Vec<PlayedLink>, SimulationError> {
     let links = arm.links();
     if links[0].link.joint().slides() && arm.has_weight() && links[0].link.direction_rad().is_none()
     {
@@ -127,11 +164,10 @@ fn play_bent(
         }
         // Under a torque of zero a link falls, or goes on.
         let falls = (arm.has_weight() || play.state.is_some()) && play.input.is_torque();
-        if play.band_rad_s().is_none() && !falls {
+        if play.band_rad_s(NEGLIGIBLE).is_none() && !falls {
             return Err(play.nothing());
         }
     }
-    let grid = play.grid()?;
     let laws = links.iter().zip(&meshes).map(|(own, mesh)| DampingLaw::of(&own.link, mesh));
     let laws: Vec<DampingLaw> = laws.collect::<Result<_, _>>()?;
     let played = links.iter().zip(meshes).zip(laws);
@@ -142,18 +178,7 @@ fn play_bent(
             return Err(SimulationError::NotDerived { what, known });
         }
     }
-    let bending = Bending { arm, links: &played, play, drives: drives(arm, play)?, grid: &grid };
-    let refined = (grid.len, tolerance, MOST_REFINEMENTS);
-    let mut motion = refine(|more, before| bending.driven_links(more, before), refined, watch)?;
-    if links.len() > 1 {
-        let weight_n_m = arm.weight_moment_n_m();
-        for (number, joint) in motion.joints.iter_mut().enumerate() {
-            let size = weight_n_m / motion.play.linkage.size_of(number);
-            joint.holding_n_m = joint.holding_n_m.map(|own| without_noise(own, size));
-        }
-    }
-    let warnings = of_bent(arm, play, &motion, &played[0]);
-    Ok(of_motion(motion, (grid, play.input.grid().len), played, warnings))
+    Ok(played)
 }
 
 /// The results from a motion of bent links.
@@ -242,7 +267,8 @@ impl Bending<'_> {
         });
         let aims_rad = vec![aim_rad; linkage.joints.len()];
         let cycle = play.cycle_turn_rad.map(|_| self.cycle(&linkage.joints)).transpose()?;
-        Ok(DrivenLinks { linkage, drives, aims_rad, grid, start, cycle })
+        let has_energies = one.is_none();
+        Ok(DrivenLinks { linkage, drives, aims_rad, grid, start, cycle, has_energies })
     }
 
     /// One cycle of the input. Prescribed joints may turn on, and the first joint under a torque, or the carriage of an arm,
@@ -373,7 +399,8 @@ pub fn move_arm(
         let cycle = repeats.then(|| Cycle::prescribed(*grid, &linkage.joints));
         let start = InitialMotion { q, rates, from_rad: 0.0 };
         let aims_rad = vec![0.0; joints.len()];
-        Ok(DrivenLinks { linkage, drives: &drives, aims_rad, grid, start, cycle })
+        let has_energies = arm.links().len() > 1;
+        Ok(DrivenLinks { linkage, drives: &drives, aims_rad, grid, start, cycle, has_energies })
     };
     let motion = refine(links, (grid.len, tolerance, MOST_OF_MOVED), &|_| {})?;
     Ok(of_motion(motion, (*grid, grid.len), Vec::new(), Vec::new()))

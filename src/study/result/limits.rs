@@ -232,12 +232,17 @@ impl Metrics {
 }
 
 impl PlayedMetrics {
-    /// The limits that a simulation exceeds, of torque, rate and power, and of the deflection of one link.
-    pub fn exceeded(&self, limits: &[Limits]) -> Vec<Exceeded> {
+    /// The limited values of a simulation: of torque, rate and power, and of the deflection of one link.
+    pub fn limited(&self, limits: &[Limits]) -> Vec<LimitedValue> {
         let joints = self.joints.iter().zip(limits);
         let values = joints
             .flat_map(|(own, limits)| limits.values(own.joint, |quantity| quantity.played_by(own)));
-        exceeded(values.collect())
+        values.collect()
+    }
+
+    /// The limits that a simulation exceeds.
+    pub fn exceeded(&self, limits: &[Limits]) -> Vec<Exceeded> {
+        exceeded(self.limited(limits))
     }
 }
 

@@ -1,0 +1,591 @@
+//! `robust`: a command on plants that differ from the model.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use rayon::prelude::*;
+
+use crate::csv::{Digits, InputFile};
+use crate::elastica::SecondOrder;
+use crate::inverse::{Analysis, Solution};
+use crate::link::Arm;
+use crate::response::SimulationError;
+use crate::result::Notice;
+use crate::robust::{
+    Command, CommandError, Distribution, Fitted, Help, Histories, Hold, How, Key, Measure, Plant,
+    PlantError, PlantKind, PlantTip, PlayErrors, RobustSummary, Robustness, Sample, Strays, Study,
+    Thinned,
+};
+use crate::spec::{LinkDocument, Override, SpecError, Specification, Uncertain};
+use crate::store::{Fingerprint, RobustInputs, read_fitted, robust_json, write_robust};
+use crate::text::{shown_path, significant};
+
+use super::problem::Problem;
+use super::simulate::refusal;
+use crate::cli::options::common::{SyncArgs, digits_arguments, option};
+use crate::cli::options::inputs::{ChangeArgs, LINK, MOTION, ReadArgs, ResampleArgs, ScaleArgs};
+use crate::cli::options::play::{Gains, gains};
+use crate::cli::terminal::files::{keep, read_once};
+use crate::cli::terminal::text::robust_text;
+use crate::cli::terminal::{
+    Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory,
+};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink robust link.toml motion.csv \\
+      --uncertain 'segments.*.EI*=±5%' --uncertain 'payload.mass=±20 g'
+  flexlink robust link.toml motion.csv --play position \\
+      --uncertain 'segments.*.EI*=±10%' --uncertain delay=0..2ms
+  flexlink robust arm.toml path.csv --feedback 50,1 \\
+      --uncertain 'links.*.segments.*.EI*=±10%' --runs 200";
+
+/// What the drives hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Holds {
+    /// The positions of the joints.
+    Position,
+    /// Torques and forces.
+    #[value(aliases = ["torque", "force"])]
+    Effort,
+    /// Torques and forces with feedback around the positions.
+    Feedback,
+}
+
+/// A distribution of the sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Distributed {
+    Uniform,
+    Normal,
+}
+
+/// What the drives play.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Played {
+    /// The answer of solve.
+    Inverse,
+    /// That of rigid links.
+    Rigid,
+}
+
+impl From<Distributed> for Distribution {
+    fn from(own: Distributed) -> Self {
+        match own {
+            Distributed::Uniform => Self::Uniform,
+            Distributed::Normal => Self::Normal,
+        }
+    }
+}
+
+impl Played {
+    /// Its name as an option's value.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Inverse => "inverse",
+            Self::Rigid => "rigid",
+        }
+    }
+}
+
+/// Most corners on which other commands play.
+const CORNERS: usize = 16;
+
+/// A share of the travel, or a length in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Amount {
+    Share(f64),
+    Metres(f64),
+}
+
+/// Say what the tip does where the link differs from its file.
+///
+/// Plays the torque of solve, or its motion of the joints, on plants whose values differ within intervals: each key
+/// alone, all corners, and a seeded sample. Prints the worst error of the tip, the vibration and the drift that stay,
+/// quantiles over the sample, and which key it is.
+///
+/// Tip error is the largest distance of the tip from the wanted motion, up to one period after its end. Rest
+/// vibration is half the range of the error over this period, drift its mean. The period is that of the lowest mode
+/// that rings: of the held joint with --play position, of the free one with --play effort, on the gains of feedback.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Robust {
+    #[arg(value_name = "LINK", help = LINK)]
+    link: PathBuf,
+
+    #[arg(value_name = "MOTION", help = MOTION)]
+    motion: PathBuf,
+
+    #[command(flatten)]
+    changes: ChangeArgs,
+
+    /// Interval of a value: KEY=±SHARE%, KEY=±AMOUNT, KEY=LOW..HIGH, or KEY*=LOW..HIGH for factors;
+    /// repeatable [default: [uncertainty] of the link file]. KEY is a path as in --set; delay is that of
+    /// position drives.
+    #[arg(long, value_name = "KEY=INTERVAL")]
+    uncertain: Vec<Uncertain>,
+
+    /// What the drives hold [default: effort, with --feedback feedback].
+    #[arg(long = "play", value_name = "WHAT")]
+    holds: Option<Holds>,
+
+    /// Gains of each joint's feedback around its motion in solve, KP in N m/rad (N/m) and KD in
+    /// N m s/rad (N s/m), as in simulate.
+    #[arg(long, value_name = "KP,KD", value_parser = gains, allow_negative_numbers = true)]
+    feedback: Option<Gains>,
+
+    /// What the drives play: the answer of solve, or for comparison that of rigid links.
+    #[arg(long = "command", value_name = "WHAT", default_value = "inverse")]
+    played: Played,
+
+    /// Number of plants in the sample.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    runs: usize,
+
+    /// Seed of the sample.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Distribution of the sample in its intervals; normal: 95 % of the values.
+    #[arg(long, value_name = "WHAT", default_value = "uniform")]
+    distribution: Distributed,
+
+    /// Band of the settling time: a share of the travel, or a length.
+    #[arg(long, value_name = "AMOUNT", value_parser = amount, default_value = "1%")]
+    band: Amount,
+
+    /// Largest tip error that 95 % of the drawn plants may have: a share of the travel, or a length. Beyond it a warning,
+    /// with --strict exit code 4.
+    #[arg(long, value_name = "AMOUNT", value_parser = amount)]
+    allow: Option<Amount>,
+
+    /// Fail with exit code 4 if the tip error exceeds --allow, or a plant a limit of the link file; all files
+    /// are written.
+    #[arg(long)]
+    strict: bool,
+
+    /// Record of a fit, NAME.json beside the fitted LINK: its values vary with their covariance.
+    #[arg(long, value_name = "FIT")]
+    from: Option<PathBuf>,
+
+    /// Folder for the results.
+    #[arg(short, long, value_name = "DIR", default_value = "robust")]
+    output: PathBuf,
+
+    /// Digits: the last one is 10^-N of a column's peak, or `full`.
+    #[arg(long, value_name = "N", default_value = "10")]
+    digits: Digits,
+
+    #[command(flatten)]
+    sync: SyncArgs,
+
+    #[command(flatten)]
+    resample: ResampleArgs,
+
+    #[command(flatten)]
+    scale: ScaleArgs,
+
+    #[command(flatten)]
+    print: PrintArgs,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+
+    #[command(flatten)]
+    read: ReadArgs,
+}
+
+fn amount(text: &str) -> Result<Amount, String> {
+    let must = || "must be a share such as 1% or a length such as 2 mm, above 0".to_owned();
+    let above_zero = |number: f64| (number > 0.0 && number.is_finite()).then_some(number);
+    match text.trim().strip_suffix('%') {
+        Some(share) => {
+            let share = share.trim().parse().ok().and_then(above_zero).ok_or_else(must)?;
+            Ok(Amount::Share(0.01 * share))
+        }
+        None => {
+            let metres = crate::numeric::parse_quantity(text, crate::numeric::Dimension::LENGTH);
+            metres.ok().and_then(above_zero).map(Amount::Metres).ok_or_else(must)
+        }
+    }
+}
+
+impl Amount {
+    fn metres(self, travel_m: f64) -> f64 {
+        match self {
+            Self::Share(share) => share * travel_m,
+            Self::Metres(metres) => metres,
+        }
+    }
+}
+
+/// The link file with its changes, from which plants are made.
+struct Plants<'a> {
+    document: LinkDocument,
+    name: String,
+    changes: Vec<Override>,
+    keys: &'a [Key],
+}
+
+impl Plants<'_> {
+    /// The file with these values of the keys.
+    fn with(&self, values: &[Option<f64>]) -> Result<Specification, Failure> {
+        let mut changes = self.changes.clone();
+        for (key, value) in self.keys.iter().zip(values) {
+            if let Some(change) = value.and_then(|value| key.change(value)) {
+                let place = format!("--uncertain, {change}");
+                changes.push(Override::placed(&place, &change).map_err(|error| refused(&error))?);
+            }
+        }
+        self.document.specification(&self.name, &changes).map_err(|error| refused(&error))
+    }
+
+    /// The delay of the drives in s.
+    fn delay_s(&self, values: &[Option<f64>]) -> f64 {
+        let delays = self.keys.iter().zip(values).filter(|(key, _)| key.how == How::Delay);
+        delays.filter_map(|(_, value)| *value).sum()
+    }
+}
+
+fn refused(error: &SpecError) -> Failure {
+    Failure::new(Exit::InputRefused, error, error.hint())
+}
+
+/// The plays of a study.
+struct Plays {
+    /// Thinned samples, for all plants.
+    quick: Command,
+    /// All samples, for checks.
+    whole: Command,
+    band_m: f64,
+    least_s: f64,
+    common_m: f64,
+}
+
+impl Robust {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        self.threads.start()?;
+        let files = [&self.link, &self.motion].into_iter().chain(&self.from);
+        let files: Vec<&Path> = files.map(PathBuf::as_path).collect();
+        read_once(&files)?;
+        keep(&self.output, &files)?;
+        let file = InputFile::read_toml(&self.link)?;
+        let fit = self.from.as_deref().map(InputFile::read).transpose()?;
+        let changes = self.changes.overrides()?;
+        let document = LinkDocument::read(&file.shown, file.text()?)?;
+        let specification = document.specification(&file.shown, &changes)?;
+        let (keys, fitted) = self.keys(&document, (&file, &changes), fit.as_ref())?;
+        let motion = InputFile::read(&self.motion)?;
+        let how = (&self.read, &self.resample, &self.scale);
+        let problem = Problem::read((&file, specification), &motion, how)?;
+        let stages = self.print.stages();
+        let solved = problem.solve(Analysis::clone, memory::available(), &stages)?;
+        let plants = Plants { document, name: file.shown.clone(), changes, keys: &keys };
+        stages.at("playing plants");
+        let plays = self.plays(&problem, &solved.solution)?;
+        let distribution = self.distribution.into();
+        let sample = Sample { runs: self.runs, seed: self.seed, distribution, fitted };
+        let outcome = self.study(&problem, &plays, &plants, &sample)?;
+        let errors = plays.errors(&outcome, &plants)?;
+        let help = self.help(&problem, &solved.solution, &outcome, &plants)?;
+        let summary = RobustSummary::of(
+            &outcome,
+            &plays.quick,
+            (self.played.name(), self.feedback.clone().unwrap_or_default()),
+            (sample, plays.band_m),
+            (errors, help),
+        );
+        let mut warnings = solved.warnings();
+        let of_study = self.warnings_of(&summary);
+        drop(stages);
+        let told = solved.tell();
+        console::warnings(of_study.iter().cloned());
+        warnings.extend(of_study.iter().cloned());
+        let title = problem.specification.arm.title();
+        let inputs = RobustInputs {
+            link: Fingerprint::of(&file),
+            motion: Fingerprint::of(&motion),
+            fit: fit.as_ref().map(Fingerprint::of),
+            arguments: self.arguments(),
+        };
+        let record = robust_json((title, &inputs), &summary, &warnings);
+        let times = 0..outcome.envelope_m[0].len();
+        let times_s: Vec<f64> = times.map(|k| plays.quick.time_s(k)).collect();
+        let folder = self.sync.stage(&self.output)?;
+        write_robust(folder, (&record, &summary), (&outcome, &times_s), self.digits)?;
+        let kinds: Vec<PlantKind> = outcome.plants.iter().map(|plant| plant.kind).collect();
+        let written = || format!("3 files in {}", shown_path(&self.output));
+        let arm = &problem.specification.arm;
+        self.print.print(|| record.clone(), || robust_text(arm, &summary, &kinds, written()))?;
+        self.judge(&summary)?;
+        self.warnings.refuse(told + of_study.len())
+    }
+
+    /// The keys of the options, or else of the link file, and those of a fit.
+    fn keys(
+        &self,
+        document: &LinkDocument,
+        (link, changes): (&InputFile, &[Override]),
+        fit: Option<&InputFile>,
+    ) -> Result<(Vec<Key>, Option<Fitted>), Failure> {
+        let of_file = document.uncertainties(&link.shown).map_err(|error| refused(&error))?;
+        let is_given = !self.uncertain.is_empty() || fit.is_some();
+        let all = if is_given { &self.uncertain } else { &of_file };
+        if let Some(own) = all.iter().find(|own| own.is_delay() && self.hold() != Hold::Position) {
+            let message = format!("{own}: is for --play position: a delayed torque is another command");
+            return Err(Failure::new(Exit::Usage, &message, None));
+        }
+        let key =
+            |own: &Uncertain| document.uncertain(own, changes).map_err(|error| refused(&error));
+        let mut keys: Vec<Key> = all.iter().map(key).collect::<Result<_, _>>()?;
+        let fitted = match fit {
+            None => None,
+            Some(fit) => {
+                let (of_fit, fitted) = read_fitted(fit, link)?;
+                let first = keys.len();
+                keys.extend(of_fit);
+                Some(Fitted { first, ..fitted })
+            }
+        };
+        if keys.is_empty() {
+            let message = "nothing is uncertain: --uncertain is missing, and the link file has no [uncertainty]";
+            let hint = "say how well a value is known: --uncertain 'segments.*.EI*=±5%'";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        }
+        Ok((keys, fitted))
+    }
+
+    fn hold(&self) -> Hold {
+        match (self.holds, &self.feedback) {
+            (Some(Holds::Position), _) => Hold::Position,
+            (Some(Holds::Feedback), _) | (None, Some(_)) => Hold::Feedback,
+            (Some(Holds::Effort), _) | (None, None) => Hold::Effort,
+        }
+    }
+
+    /// The command of this study, or with another hold.
+    fn command(
+        &self,
+        problem: &Problem,
+        solution: &Solution,
+        (hold, thinned): (Hold, Thinned),
+    ) -> Result<Command, Failure> {
+        let Specification { arm, analysis, .. } = &problem.specification;
+        let gains = if hold == Hold::Feedback { self.gains(arm)? } else { Vec::new() };
+        let order = analysis.second_order_of(&arm.links()[0].link);
+        let is_large = order != SecondOrder::None;
+        let histories = Histories::of(solution, self.played == Played::Rigid);
+        let end_s = solution.grid.time_s(solution.moving.1);
+        Command::of(solution, (&histories, end_s), (hold, &gains), (thinned, is_large))
+            .map_err(|error| command_refused(&error))
+    }
+
+    /// Both commands of this study, less the common error of the exact inverse.
+    fn plays(&self, problem: &Problem, solution: &Solution) -> Result<Plays, Failure> {
+        let Specification { arm, meshes, .. } = &problem.specification;
+        self.gains(arm)?;
+        let not_played = |error| not_played(&error, arm);
+        let quick = self.command(problem, solution, (self.hold(), Thinned::Yes))?;
+        let quick = quick.refined(arm, meshes).map_err(not_played)?;
+        let whole = self.command(problem, solution, (self.hold(), Thinned::No))?;
+        let band_m = self.band.metres(quick.travel_m);
+        let nominal = quick.plant((arm, meshes), (0.0, band_m, quick.end_s), &[]);
+        let PlantTip { strays, error_m, .. } = nominal.map_err(not_played)?;
+        let least_s = quick.time_s(error_m[0].len() - 1);
+        let (quick, whole, common_m) = match self.played {
+            Played::Rigid => (quick, whole, 0.0),
+            Played::Inverse => {
+                let checked = whole.checked((arm, meshes), (0.0, band_m), strays.period_s);
+                let checked = checked.map_err(not_played)?;
+                (quick.less(error_m), whole.less(checked.error_m), checked.strays.tip_error_m)
+            }
+        };
+        Ok(Plays { quick, whole, band_m, least_s, common_m })
+    }
+
+    /// Plays all plants.
+    fn study(
+        &self,
+        problem: &Problem,
+        plays: &Plays,
+        plants: &Plants<'_>,
+        sample: &Sample,
+    ) -> Result<Robustness, Failure> {
+        let limits = &problem.specification.limits;
+        let play = |values: &[Option<f64>]| -> Result<PlantTip, PlantError<Failure>> {
+            let own = plants.with(values).map_err(PlantError::Refused)?;
+            let Plays { quick, band_m, least_s, .. } = plays;
+            let how = (plants.delay_s(values), *band_m, *least_s);
+            let played = quick.plant((&own.arm, &own.meshes), how, limits);
+            played.map_err(|error| PlantError::Failed(not_played(&error, &own.arm)))
+        };
+        let travel_m = plays.quick.travel_m;
+        Study { keys: plants.keys, sample, travel_m, play, watch: &|| {} }.run()
+    }
+
+    /// What the drives would leave on the corners if they held something else.
+    fn help(
+        &self,
+        problem: &Problem,
+        solution: &Solution,
+        outcome: &Robustness,
+        plants: &Plants<'_>,
+    ) -> Result<Vec<Help>, Failure> {
+        let Specification { arm, meshes, .. } = &problem.specification;
+        let corners: Vec<&[Option<f64>]> = outcome.hardest(CORNERS);
+        let has_delay = plants.keys.iter().any(|key| key.how == How::Delay);
+        let holds = [Hold::Position, Hold::Effort].into_iter();
+        let others = holds.filter(|hold| *hold != self.hold() && !has_delay);
+        let mut help = Vec::new();
+        for hold in others {
+            let command = self.command(problem, solution, (hold, Thinned::Yes))?;
+            let Ok(command) = command.refined(arm, meshes) else { continue };
+            let nominal = command.plant((arm, meshes), (0.0, 1.0, command.end_s), &[]);
+            let Ok(nominal) = nominal else { continue };
+            let command = match self.played {
+                Played::Inverse => command.less(nominal.error_m),
+                Played::Rigid => command,
+            };
+            let of_corner = |values: &&[Option<f64>]| {
+                let own = plants.with(values).ok()?;
+                let how = (0.0, 1.0, command.end_s);
+                let played = command.plant((&own.arm, &own.meshes), how, &[]);
+                played.ok().map(|played| played.strays)
+            };
+            let strays: Option<Vec<Strays>> = corners.par_iter().map(of_corner).collect();
+            let Some(strays) = strays else { continue };
+            let worst = |measure| {
+                strays.iter().map(|own| own.size_m(measure)).fold(0.0, f64::max)
+            };
+            help.push(Help {
+                what: format!("--play {}", hold.name()),
+                tip_error_m: worst(Measure::TipError),
+                rest_vibration_m: worst(Measure::RestVibration),
+                drift_m: worst(Measure::Drift),
+            });
+        }
+        Ok(help)
+    }
+
+    /// Warnings of the study.
+    fn warnings_of(&self, summary: &RobustSummary) -> Vec<Notice> {
+        let mut warnings = Vec::new();
+        if summary.is_coarse() {
+            let share = summary.errors.play_m / summary.worst_m();
+            let message = format!("the plays are off by {share:.1e} of the worst tip error");
+            let hint = "use a finer step of the motion, or mesh.elements";
+            warnings.push(Notice::new("coarse_plays", message, hint));
+        }
+        if let Some((found, allowed)) = self.beyond(summary) {
+            let message = format!(
+                "the 95 % quantile of the tip error = {} m, but --allow is {} m",
+                significant(found, 4),
+                significant(allowed, 4)
+            );
+            warnings.push(Notice::new("not_robust", message, "see the line `helps`"));
+        }
+        warnings
+    }
+
+    /// The 95 % quantile of the tip error, or without a sample its worst, and the allowed error in m, if it exceeds it.
+    fn beyond(&self, summary: &RobustSummary) -> Option<(f64, f64)> {
+        let allowed_m = self.allow?.metres(summary.travel_m);
+        let found_m = summary.quantiles.map_or(summary.worst_m(), |[tip, ..]| tip.p95_m[0]);
+        (found_m > allowed_m).then_some((found_m, allowed_m))
+    }
+
+    /// Ends with exit code 4 under --strict if the tip error exceeds --allow, or a limit is exceeded.
+    fn judge(&self, summary: &RobustSummary) -> Result<(), Failure> {
+        if !self.strict {
+            return Ok(());
+        }
+        let beyond = self.beyond(summary);
+        if beyond.is_some() {
+            let message = "--strict: the tip error exceeds --allow; all files are written";
+            return Err(Failure::new(Exit::NotSolvable, &message, None));
+        }
+        if summary.over_limits.iter().any(|own| own.share > 0.0) {
+            let message = "--strict: drawn plants exceed a limit; all files are written";
+            return Err(Failure::new(Exit::NotSolvable, &message, None));
+        }
+        Ok(())
+    }
+
+    /// The arguments, for the record.
+    fn arguments(&self) -> Vec<String> {
+        let uncertain = self.uncertain.iter().flat_map(|own| option("--uncertain", own.text()));
+        let gains = self.feedback.iter().flat_map(|pairs| {
+            let pairs: Vec<String> = pairs.iter().map(|(kp, kd)| format!("{kp},{kd}")).collect();
+            option("--feedback", pairs.join(","))
+        });
+        let own = uncertain
+            .chain(option("--play", self.hold().name()))
+            .chain(gains)
+            .chain(option("--command", self.played.name()))
+            .chain(option("--runs", self.runs))
+            .chain(option("--seed", self.seed));
+        let normal = (self.distribution == Distributed::Normal).then(|| option("--distribution", "normal"));
+        let own = own.chain(normal.into_iter().flatten()).collect();
+        [
+            self.changes.arguments(),
+            own,
+            self.resample.arguments(),
+            self.scale.arguments(),
+            digits_arguments(self.digits),
+            self.read.arguments(),
+        ]
+        .concat()
+    }
+
+    /// A pair of gains for each joint.
+    fn gains(&self, arm: &Arm) -> Result<Gains, Failure> {
+        let joints = arm.joints().count();
+        let refuse = |message: &str| Err(Failure::new(Exit::Usage, &message, None));
+        match (&self.feedback, self.hold()) {
+            (None, Hold::Feedback) => refuse("--play feedback needs --feedback KP,KD"),
+            (Some(_), Hold::Position | Hold::Effort) => {
+                refuse("--feedback is for --play feedback, but --play holds something else")
+            }
+            (None, _) => Ok(Vec::new()),
+            (Some(gains), _) if gains.len() == 1 => Ok(vec![gains[0]; joints]),
+            (Some(gains), _) if gains.len() == joints => Ok(gains.clone()),
+            (Some(gains), _) => {
+                let found = gains.len();
+                refuse(&format!("--feedback = {found} pairs, but must be 1, or {joints}, one for each joint"))
+            }
+        }
+    }
+}
+
+fn command_refused(error: &CommandError) -> Failure {
+    Failure::new(Exit::InputRefused, error, None)
+}
+
+fn not_played(error: &SimulationError, arm: &Arm) -> Failure {
+    let (message, hint) = refusal(error, arm);
+    Failure::new(Exit::NotSolvable, &message, hint.as_deref())
+}
+
+impl Plays {
+    /// The change of the tip errors of the nominal and the worst plant in a whole simulation.
+    fn errors(
+        &self,
+        outcome: &Robustness,
+        plants: &Plants<'_>,
+    ) -> Result<PlayErrors, Failure> {
+        let mut play_m: f64 = 0.0;
+        // The nominal plant under the exact inverse is that whose error is taken off.
+        let first = usize::from(self.common_m > 0.0);
+        for at in &[0, outcome.worst[0]][first..] {
+            let Plant { values, strays, .. } = &outcome.plants[*at];
+            let own = plants.with(values)?;
+            let how = (plants.delay_s(values), self.band_m);
+            let checked = self.whole.checked((&own.arm, &own.meshes), how, strays.period_s);
+            let checked = checked.map_err(|error| not_played(&error, &own.arm))?;
+            play_m = play_m.max((checked.strays.tip_error_m - strays.tip_error_m).abs());
+        }
+        Ok(PlayErrors { common_m: self.common_m, play_m })
+    }
+}

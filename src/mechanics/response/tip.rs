@@ -1,0 +1,166 @@
+//! The tip alone under an input, for the many plants of a study: without nodes, energies and warnings.
+
+use std::f64::consts::TAU;
+
+use nalgebra::DMatrix;
+
+use super::error::SimulationError;
+use super::modes::Equations;
+use super::play::{Input, Play, Started, continued};
+use super::pose::ArmPose;
+use super::simulation::bent_tip;
+use super::stepper::Stepper;
+use crate::beam::{Mesh, MeshPlan};
+use crate::link::{Arm, Link};
+use crate::modal::{DampingLaw, PoseHub, pose_modes};
+use crate::numeric::TimeGrid;
+
+/// Share of the motion above the input's band, see [`Play::band_rad_s`].
+pub(crate) const NEGLIGIBLE: f64 = 1e-7;
+
+/// Modes that feedback couples, in the search of the loop's slowest vibration.
+const MODES_OF_LOOP: usize = 6;
+
+/// Imaginary part of a pole over its magnitude, or ω² over the largest, below which nothing rings.
+const RINGS: f64 = 1e-9;
+
+/// How long and how finely to play.
+#[derive(Debug, Clone, Copy)]
+pub struct TipCourse<'a> {
+    /// End of the wanted motion in s.
+    pub end_s: f64,
+    /// Periods of the lowest mode that rings to play after this end.
+    pub periods: f64,
+    /// Least end of the play in s.
+    pub least_s: f64,
+    /// Refinements of bent links: two orders of the polynomials, half the step each.
+    pub refinements: usize,
+    /// Directions of the links' chords in rad at the end of the wanted motion.
+    pub directions_rad: &'a [f64],
+}
+
+/// The tip of a link or an arm under an input.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlayedTip {
+    /// Times of the samples.
+    pub grid: TimeGrid,
+    /// Displacement in m of a link's tip, or x and y of an arm's.
+    pub at_m: Vec<Vec<f64>>,
+    /// Period in s of the lowest mode that rings with the joints as they are played: free under efforts, held where they
+    /// move as prescribed, on the gains of feedback. `None` if nothing rings.
+    pub period_s: Option<f64>,
+}
+
+/// Plays an input like [`simulate`](super::simulate), and computes the tip alone. Bent links play at one refinement.
+///
+/// # Errors
+/// [`SimulationError`].
+pub fn simulate_tip(
+    arm: &Arm,
+    plans: &[MeshPlan],
+    play: &Play<'_>,
+    course: &TipCourse<'_>,
+) -> Result<PlayedTip, SimulationError> {
+    let meshes = arm.links().iter().zip(plans).map(|(own, plan)| Mesh::new(&own.link, plan));
+    let mut meshes: Vec<Mesh> = meshes.collect::<Result<_, _>>()?;
+    if !play.is_bent(arm) {
+        return linear(&arm.links()[0].link, &meshes.swap_remove(0), play, course);
+    }
+    let period_s = period_of_bent_s(arm, &meshes, play, course.directions_rad);
+    let until_s = until_s(play, course, period_s);
+    let (grid, at_m) = bent_tip(arm, meshes, &Play { until_s, ..*play }, course.refinements)?;
+    Ok(PlayedTip { grid, at_m, period_s })
+}
+
+/// End of the play in s: not before the input's.
+fn until_s(play: &Play<'_>, course: &TipCourse<'_>, period_s: Option<f64>) -> Option<f64> {
+    let after_s = course.periods * period_s.unwrap_or(0.0);
+    Some((course.end_s + after_s).max(course.least_s).max(play.input.grid().end_s()))
+}
+
+/// The tip of a linear link by its modes.
+fn linear(
+    link: &Link,
+    mesh: &Mesh,
+    play: &Play<'_>,
+    course: &TipCourse<'_>,
+) -> Result<PlayedTip, SimulationError> {
+    let band_rad_s = play.band_rad_s(NEGLIGIBLE).ok_or(play.nothing())?;
+    let driving = play.driving((0, link), play.zero_of_state_rad(link), false)?;
+    let law = DampingLaw::of(link, mesh)?;
+    let Started { equations, start: [coordinates, rates], .. } =
+        Started::of(link, (mesh, &law), (play, &driving), band_rad_s)?;
+    let period_s = period_s(&equations, play);
+    let grid = continued(play.input.grid(), until_s(play, course, period_s))?;
+    let stepper = Stepper::new(&equations, grid.step_s).starting_at(&coordinates, &rates);
+    let tips: Vec<f64> = equations.coordinates.iter().map(|own| own.tip).collect();
+    let factors = stepper.factors(&tips, &vec![0.0; tips.len()]);
+    let (start_m, mut at_m) = (play.start_m(link), Vec::with_capacity(grid.len));
+    stepper.run(driving.steps(grid.len), |stepper| {
+        at_m.push(start_m + stepper.weighted(&factors));
+    });
+    match at_m.iter().position(|at_m| !at_m.is_finite()) {
+        Some(sample) => Err(SimulationError::NotFinite { time_s: grid.time_s(sample) }),
+        None => Ok(PlayedTip { grid, at_m: vec![at_m], period_s }),
+    }
+}
+
+/// Period in s of a linear link's lowest mode that rings.
+fn period_s(equations: &Equations, play: &Play<'_>) -> Option<f64> {
+    if play.feedback.is_empty() {
+        return equations.first_period_s();
+    }
+    let count = equations.coordinates.len().min(MODES_OF_LOOP);
+    let reaction = equations.reaction;
+    let matrix = DMatrix::from_fn(2 * count, 2 * count, |row, column| {
+        if row < count {
+            return f64::from(u8::from(column == row + count));
+        }
+        let (own, other) =
+            (equations.coordinates[row - count], equations.coordinates[column % count]);
+        let hub = own.hub_angle * other.hub_angle;
+        let alone = |value: f64| if column % count == row - count { value } else { 0.0 };
+        if column < count {
+            -alone(own.square) - hub * reaction.stiffness_n_m_rad
+        } else {
+            -alone(own.rate_per_s) - hub * reaction.damping_n_m_s_rad
+        }
+    });
+    let poles = matrix.schur().complex_eigenvalues();
+    let rates = poles.iter().filter(|pole| pole.im > RINGS * pole.re.hypot(pole.im));
+    rates.map(|pole| TAU / pole.im).reduce(f64::max)
+}
+
+/// Period in s of the lowest mode that rings about the pose at the end of the motion.
+fn period_of_bent_s(
+    arm: &Arm,
+    meshes: &[Mesh],
+    play: &Play<'_>,
+    directions_rad: &[f64],
+) -> Option<f64> {
+    let springs = match play.input {
+        Input::Angles(joints) => Some(vec![f64::INFINITY; joints.len()]),
+        Input::Torques(_) if play.feedback.is_empty() => None,
+        Input::Torques(_) => {
+            Some(play.feedback.iter().map(|own| own.stiffness_n_m_rad()).collect())
+        }
+    };
+    let squares: Vec<f64> = match arm.alone() {
+        Some(link) => {
+            let hub = springs.map_or(PoseHub::Free, |springs| PoseHub::Spring(springs[0]));
+            let along = |own: &crate::link::Gravity| own.along_m_s2(directions_rad[0]);
+            let outward_m_s2 = link.gravity().map_or(0.0, along);
+            let modes = pose_modes(&meshes[0], outward_m_s2, hub, 3)?;
+            modes.into_iter().map(|(square, _)| square).collect()
+        }
+        None => {
+            let pose = ArmPose::of(arm, directions_rad, (0.0, 2)).ok()?;
+            let count = arm.links().len() + 1;
+            let modes = pose.modes(springs.as_deref(), count).ok()?;
+            modes.into_iter().map(|mode| mode.square_per_s2).collect()
+        }
+    };
+    let most = squares.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+    let rings = squares.into_iter().filter(|square| *square > RINGS * most);
+    rings.reduce(f64::min).map(|square| TAU / square.sqrt())
+}

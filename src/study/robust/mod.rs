@@ -1,0 +1,17 @@
+//! What a command leaves on plants that differ from the model: the error of the tip over intervals of the link's values.
+
+mod command;
+mod key;
+mod outcome;
+mod plants;
+mod strays;
+mod summary;
+
+pub use command::{Command, CommandError, Histories, Hold, PERIODS, PlantTip, Thinned};
+pub use key::{Fitted, How, Key};
+pub use outcome::{
+    Inside, KeyOutcome, OverLimit, Plant, PlantError, PlantKind, Quantiles, Robustness, Study, Worst,
+};
+pub use plants::{Distribution, Sample};
+pub use strays::{Measure, Strays};
+pub use summary::{Help, PlayErrors, RobustSummary, WorstPlant};
