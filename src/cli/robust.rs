@@ -27,9 +27,7 @@ use crate::cli::options::inputs::{ChangeArgs, LINK, MOTION, ReadArgs, ResampleAr
 use crate::cli::options::play::{Gains, gains};
 use crate::cli::terminal::files::{keep, read_once};
 use crate::cli::terminal::text::robust_text;
-use crate::cli::terminal::{
-    Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory,
-};
+use crate::cli::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -334,7 +332,8 @@ impl Robust {
         let is_given = !self.uncertain.is_empty() || fit.is_some();
         let all = if is_given { &self.uncertain } else { &of_file };
         if let Some(own) = all.iter().find(|own| own.is_delay() && self.hold() != Hold::Position) {
-            let message = format!("{own}: is for --play position: a delayed torque is another command");
+            let message =
+                format!("{own}: is for --play position: a delayed torque is another command");
             return Err(Failure::new(Exit::Usage, &message, None));
         }
         let key =
@@ -456,9 +455,7 @@ impl Robust {
             };
             let strays: Option<Vec<Strays>> = corners.par_iter().map(of_corner).collect();
             let Some(strays) = strays else { continue };
-            let worst = |measure| {
-                strays.iter().map(|own| own.size_m(measure)).fold(0.0, f64::max)
-            };
+            let worst = |measure| strays.iter().map(|own| own.size_m(measure)).fold(0.0, f64::max);
             help.push(Help {
                 what: format!("--play {}", hold.name()),
                 tip_error_m: worst(Measure::TipError),
@@ -526,7 +523,8 @@ impl Robust {
             .chain(option("--command", self.played.name()))
             .chain(option("--runs", self.runs))
             .chain(option("--seed", self.seed));
-        let normal = (self.distribution == Distributed::Normal).then(|| option("--distribution", "normal"));
+        let normal =
+            (self.distribution == Distributed::Normal).then(|| option("--distribution", "normal"));
         let own = own.chain(normal.into_iter().flatten()).collect();
         [
             self.changes.arguments(),
@@ -553,7 +551,9 @@ impl Robust {
             (Some(gains), _) if gains.len() == joints => Ok(gains.clone()),
             (Some(gains), _) => {
                 let found = gains.len();
-                refuse(&format!("--feedback = {found} pairs, but must be 1, or {joints}, one for each joint"))
+                refuse(&format!(
+                    "--feedback = {found} pairs, but must be 1, or {joints}, one for each joint"
+                ))
             }
         }
     }
@@ -570,11 +570,7 @@ fn not_played(error: &SimulationError, arm: &Arm) -> Failure {
 
 impl Plays {
     /// The change of the tip errors of the nominal and the worst plant in a whole simulation.
-    fn errors(
-        &self,
-        outcome: &Robustness,
-        plants: &Plants<'_>,
-    ) -> Result<PlayErrors, Failure> {
+    fn errors(&self, outcome: &Robustness, plants: &Plants<'_>) -> Result<PlayErrors, Failure> {
         let mut play_m: f64 = 0.0;
         // The nominal plant under the exact inverse is that whose error is taken off.
         let first = usize::from(self.common_m > 0.0);

@@ -38,6 +38,7 @@ mod reading;
 mod repeat;
 mod report;
 mod rigs;
+mod robust;
 mod simulate;
 mod simulate_recorded;
 mod simulate_refusals;
@@ -114,7 +115,8 @@ impl Bench {
         let words = arguments.words();
         let told = format!("{words:?}: {}{}", stdout(&output), stderr(&output));
         assert_eq!(output.status.code(), Some(code), "{told}");
-        let is_read = ["solve", "simulate", "verify", "modes"].contains(&words[0].as_str())
+        let is_read = ["solve", "simulate", "verify", "modes", "robust"]
+            .contains(&words[0].as_str())
             && !words.iter().any(|word| word == "-" || word == "--json");
         // Longer are rows of `verify` that fail, and two lines with many digits.
         let longer = ["tip off at the rows", "held from sample to sample"];

@@ -16,7 +16,8 @@ use crate::text::{excerpt, visible};
 /// The key of a delay, which is none of the link file.
 const DELAY: &str = "delay";
 
-const HINT: &str = "write it like 'segments.*.EI*=±5%', 'payload.mass=±20 g' or damping.ratio=0.005..0.02";
+const HINT: &str =
+    "write it like 'segments.*.EI*=±5%', 'payload.mass=±20 g' or damping.ratio=0.005..0.02";
 
 /// A value of the link file with an interval, as written.
 #[derive(Debug, Clone, PartialEq)]
@@ -185,7 +186,11 @@ impl LinkDocument {
         }
         let mut tree = self.changed(changes)?;
         let touched = |change: &str, tree: &mut Node| {
-            apply(tree, changes.len(), &Override::placed(&own.place, &format!("{}{change}", own.path))?)
+            apply(
+                tree,
+                changes.len(),
+                &Override::placed(&own.place, &format!("{}{change}", own.path))?,
+            )
         };
         let key = |how, nominal, ends| Key { path: own.path.clone(), how, nominal, ends };
         let ends = match &own.interval {
@@ -213,19 +218,22 @@ impl LinkDocument {
         let zero = numbers.iter().position(|own| own.is_none_or(|(value, _)| value == 0.0));
         if let Some(zero) = zero {
             let found = leaves[zero].shown();
-            let message = format!("{} = {found}, of which a share or an amount has no meaning", own.path);
+            let message =
+                format!("{} = {found}, of which a share or an amount has no meaning", own.path);
             return Err(own.refused(&message, Some(hint())));
         }
         let Interval::Around(amount, unit) = &own.interval else {
             return Ok(key(How::Factor, Some(1.0), ends));
         };
         let [Some((value, of_leaf))] = numbers[..] else {
-            let message = format!("{} names several values, of which ± must be a share in %", own.path);
+            let message =
+                format!("{} names several values, of which ± must be a share in %", own.path);
             return Err(own.refused(&message, None));
         };
         let of_leaf = of_leaf.trim();
         let amount = in_unit(*amount, unit, of_leaf).ok_or_else(|| {
-            let message = format!("±{amount:?} {unit} must have the unit of the value, {of_leaf:?}");
+            let message =
+                format!("±{amount:?} {unit} must have the unit of the value, {of_leaf:?}");
             own.refused(&message, None)
         })?;
         Ok(key(How::Value(of_leaf.to_owned()), Some(value), [value - amount, value + amount]))

@@ -109,7 +109,9 @@ fn write_plants(
         text.extend(if is_plain { heading.clone() } else { format!("\"{quoted}\"") }.as_bytes());
     }
     text.push(b'\n');
-    let peak = |values: &[Option<f64>]| values.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let peak = |values: &[Option<f64>]| {
+        values.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
+    };
     let formats: Vec<_> = columns.iter().map(|(_, values)| digits.for_peak(peak(values))).collect();
     for (row, plant) in plants.iter().enumerate() {
         text.extend(kind(plant.kind).as_bytes());
@@ -175,7 +177,8 @@ pub fn read_fitted(file: &InputFile, link: &InputFile) -> Result<(Vec<Key>, Fitt
         return Err(place.refuse_whole(&message).with_hint(Some(hint.to_owned())));
     }
     if record.inputs.link.sha256 == link.sha256() {
-        let message = format!("{} is the link before this fit, but must be the fitted one", link.shown);
+        let message =
+            format!("{} is the link before this fit, but must be the fitted one", link.shown);
         let hint = "use the link file that fit -o wrote";
         return Err(place.refuse_whole(&message).with_hint(Some(hint.to_owned())));
     }
@@ -183,13 +186,15 @@ pub fn read_fitted(file: &InputFile, link: &InputFile) -> Result<(Vec<Key>, Fitt
     let reach = degrees.map_or(crate::numeric::NORMAL_95, student_95);
     let (mut keys, mut standard_errors) = (Vec::new(), Vec::new());
     for FitValue { path, relative_standard_error, relative_interval_95 } in record.values {
-        let Some(error) = relative_standard_error.filter(|own| *own > 0.0 && reach.is_finite()) else {
-            let message = format!("values: {path} has no standard error: the data do not determine it");
+        let Some(error) = relative_standard_error.filter(|own| *own > 0.0 && reach.is_finite())
+        else {
+            let message =
+                format!("values: {path} has no standard error: the data do not determine it");
             let hint = "fix it in the fit, and give its interval by --uncertain";
             return Err(place.refuse_whole(&message).with_hint(Some(hint.to_owned())));
         };
-        let ends = relative_interval_95
-            .unwrap_or([-reach, reach].map(|reach| libm::exp(reach * error)));
+        let ends =
+            relative_interval_95.unwrap_or([-reach, reach].map(|reach| libm::exp(reach * error)));
         keys.push(Key { path, how: How::Factor, nominal: Some(1.0), ends });
         standard_errors.push(error);
     }

@@ -134,7 +134,11 @@ impl Drive {
 
 impl DrivenLinks<'_> {
     /// Integrates with `steps` steps from one sample to the next; `report` receives the number of finished samples.
-    pub(super) fn play(self, steps: usize, report: impl Fn(usize)) -> Result<BentMotion, SimulationError> {
+    pub(super) fn play(
+        self,
+        steps: usize,
+        report: impl Fn(usize),
+    ) -> Result<BentMotion, SimulationError> {
         let (grid, count) = (*self.grid, self.linkage.count);
         // Linear parts of all forces, for the matrix of Radau's iteration.
         let (mut stiffness, mut damping) =

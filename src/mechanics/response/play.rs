@@ -7,8 +7,8 @@ use super::driving::{CycleError, Driving, Interpolation};
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{Feedback, HubReference, Torque};
 use super::modes::{
-    Equations, HubReaction, MOST_MODES, ModeSelection, NEGLIGIBLE, REACH, held, in_loop, kept_modes,
-    torque_band_rad_s,
+    Equations, HubReaction, MOST_MODES, ModeSelection, NEGLIGIBLE, REACH, held, in_loop,
+    kept_modes, torque_band_rad_s,
 };
 use super::pose::Start;
 use super::state::{State, of_cycle};

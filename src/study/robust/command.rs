@@ -144,8 +144,10 @@ impl Command {
         if solution.motion.ends() != Ends::AtRest {
             return Err(CommandError::Moves);
         }
-        let every = if thinned == Thinned::Yes { every(histories, hold) } else { NonZeroUsize::MIN };
-        let some = |values: &[f64]| values.iter().step_by(every.get()).copied().collect::<Vec<f64>>();
+        let every =
+            if thinned == Thinned::Yes { every(histories, hold) } else { NonZeroUsize::MIN };
+        let some =
+            |values: &[f64]| values.iter().step_by(every.get()).copied().collect::<Vec<f64>>();
         let grid = histories.grid;
         let times: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
         let times_s = some(&times);
@@ -198,7 +200,9 @@ impl Command {
             from.zip(until).map_or(0.0, |(from, until)| self.grid.step_s * (until - from) as f64)
         };
         let longest = match self.hold {
-            Hold::Position => self.positions.iter().map(|own| lasts(own.angle_rad())).reduce(f64::max),
+            Hold::Position => {
+                self.positions.iter().map(|own| lasts(own.angle_rad())).reduce(f64::max)
+            }
             _ => self.efforts.iter().map(|own| lasts(own.torque_n_m())).reduce(f64::max),
         };
         longest.unwrap_or(0.0)

@@ -10,7 +10,8 @@ mod summary;
 pub use command::{Command, CommandError, Histories, Hold, PERIODS, PlantTip, Thinned};
 pub use key::{Fitted, How, Key};
 pub use outcome::{
-    Inside, KeyOutcome, OverLimit, Plant, PlantError, PlantKind, Quantiles, Robustness, Study, Worst,
+    Inside, KeyOutcome, OverLimit, Plant, PlantError, PlantKind, Quantiles, Robustness, Study,
+    Worst,
 };
 pub use plants::{Distribution, Sample};
 pub use strays::{Measure, Strays};

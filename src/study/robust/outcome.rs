@@ -194,8 +194,11 @@ impl<P> Study<'_, P> {
         let nominal = self.played(&vec![None; count]).map_err(PlantError::cause)?;
         let own_m = sizes(&nominal.error_m).into_owned();
         let mut envelope_m = [own_m.clone(), own_m];
-        let mut plants =
-            vec![Plant { kind: PlantKind::Nominal, values: vec![None; count], strays: nominal.strays }];
+        let mut plants = vec![Plant {
+            kind: PlantKind::Nominal,
+            values: vec![None; count],
+            strays: nominal.strays,
+        }];
         let points: Vec<Values> =
             (0..count * POINTS).map(|at| self.alone(at / POINTS, self.point(at))).collect();
         plants.extend(self.all(PlantKind::Key, &points)?);
@@ -205,15 +208,18 @@ impl<P> Study<'_, P> {
             keys.push(self.of_key(number, &own, &mut plants)?);
         }
         let sum: f64 = keys.iter().map(|own| own.worst[0].size_m).sum();
-        keys.iter_mut().for_each(|own| own.share = own.worst[0].size_m / sum.max(f64::MIN_POSITIVE));
+        keys.iter_mut()
+            .for_each(|own| own.share = own.worst[0].size_m / sum.max(f64::MIN_POSITIVE));
         plants.extend(self.all(PlantKind::Corner, &self.corners(&keys))?);
         let first = plants.len();
         let mut over_limits: Vec<OverLimit> = Vec::new();
         let mut drawn_again = 0;
         for begin in (0..self.sample.runs).step_by(TOGETHER) {
             let until = (begin + TOGETHER).min(self.sample.runs);
-            let drawn: Vec<_> =
-                (begin..until).into_par_iter().map(|plant| self.drawn(plant)).collect::<Result<_, _>>()?;
+            let drawn: Vec<_> = (begin..until)
+                .into_par_iter()
+                .map(|plant| self.drawn(plant))
+                .collect::<Result<_, _>>()?;
             for (values, PlantTip { strays, error_m, limited }, again) in drawn {
                 let [low, high] = &mut envelope_m;
                 for (k, e) in sizes(&error_m).iter().enumerate().take(low.len()) {
@@ -234,7 +240,8 @@ impl<P> Study<'_, P> {
             }
         }
         let sample: Vec<Strays> = plants[first..].iter().map(|plant| plant.strays).collect();
-        let quantiles = (!sample.is_empty()).then(|| Measure::ALL.map(|own| quantiles(&sample, own)));
+        let quantiles =
+            (!sample.is_empty()).then(|| Measure::ALL.map(|own| quantiles(&sample, own)));
         for measure in Measure::ALL {
             let worst = worst_of(&plants, measure);
             if plants[worst].kind == PlantKind::Sample {
@@ -348,7 +355,8 @@ impl<P> Study<'_, P> {
             plants.push(Plant { kind, values, strays });
             Ok::<f64, E>(strays.size_m(measure))
         };
-        let inner = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+        let inner =
+            |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
         let [mut a, mut b] = inner(low, high);
         let [mut of_a, mut of_b] = [size(a)?, size(b)?];
         for _ in 2..SECTIONS {
@@ -388,12 +396,7 @@ impl<P> Study<'_, P> {
     }
 
     /// Searches on from the worst drawn plant, key by key, within a sixth of each interval.
-    fn search<E>(
-        &self,
-        measure: Measure,
-        mut best: Plant,
-        plants: &mut Vec<Plant>,
-    ) -> Result<(), E>
+    fn search<E>(&self, measure: Measure, mut best: Plant, plants: &mut Vec<Plant>) -> Result<(), E>
     where
         P: Fn(&[Option<f64>]) -> Result<PlantTip, PlantError<E>>,
     {

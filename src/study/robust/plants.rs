@@ -62,7 +62,8 @@ pub(super) fn corners(candidates: &[Vec<f64>], worst: &[Vec<usize>]) -> Vec<Valu
     }
     let mut all: Vec<Values> = Vec::new();
     for signs in worst {
-        let other = |key: usize, number: usize| if number == 0 { candidates[key].len() - 1 } else { 0 };
+        let other =
+            |key: usize, number: usize| if number == 0 { candidates[key].len() - 1 } else { 0 };
         for is_opposite in [false, true] {
             for turned in std::iter::once(None).chain((0..candidates.len()).map(Some)) {
                 let chosen = |(key, own): (usize, &usize)| {
@@ -117,9 +118,9 @@ impl Sample {
     pub(super) fn drawn(&self, keys: &[Key], random: &mut Random) -> Values {
         let of_fit = self.fitted.as_ref().map(|fitted| (fitted.first, fitted.factors(random)));
         let value = |(number, key): (usize, &Key)| {
-            let own = of_fit.as_ref().and_then(|(first, factors)| {
-                factors.get(number.checked_sub(*first)?).copied()
-            });
+            let own = of_fit
+                .as_ref()
+                .and_then(|(first, factors)| factors.get(number.checked_sub(*first)?).copied());
             Some(own.unwrap_or_else(|| match self.distribution {
                 Distribution::Uniform => key.at(random.share()),
                 Distribution::Normal => {
@@ -210,7 +211,11 @@ mod tests {
             };
             // Variance ν/(ν − 2) of Student's distribution.
             for (a, b, exact) in [(0, 0, 4e-4), (1, 1, 2.5e-3), (0, 1, 8e-4)] {
-                assert!((mean(a, b) / (exact * factor) - 1.0).abs() < 0.06, "{a}{b}: {}", mean(a, b));
+                assert!(
+                    (mean(a, b) / (exact * factor) - 1.0).abs() < 0.06,
+                    "{a}{b}: {}",
+                    mean(a, b)
+                );
             }
         }
     }

@@ -140,7 +140,11 @@ mod tests {
     fn the_measures_of_a_known_error_are_its_own() {
         let grid = TimeGrid { origin_s: 0.0, step_s: 0.01, first: -50, len: 951 };
         let error = |t: f64| {
-            if t < 1.0 { 0.3 - 0.15 * (t + 0.5) / 1.5 } else { 0.1 + 0.05 * (TAU * (t - 1.0) / 0.7).cos() }
+            if t < 1.0 {
+                0.3 - 0.15 * (t + 0.5) / 1.5
+            } else {
+                0.1 + 0.05 * (TAU * (t - 1.0) / 0.7).cos()
+            }
         };
         let e: Vec<f64> = (0..grid.len).map(|k| error(grid.time_s(k))).collect();
         let found = Strays::of(&[e.clone()], &grid, (1.0, Some(0.7)), 0.2);

@@ -107,7 +107,8 @@ impl RobustSummary {
         };
         let drawn = outcome.plants.iter().filter(|plant| plant.kind == PlantKind::Sample);
         let unsettled = |own: Option<f64>| own.unwrap_or(f64::INFINITY);
-        let mut settling: Vec<f64> = drawn.map(|plant| unsettled(plant.strays.settling_s)).collect();
+        let mut settling: Vec<f64> =
+            drawn.map(|plant| unsettled(plant.strays.settling_s)).collect();
         settling.sort_by(f64::total_cmp);
         let place = (0.95 * settling.len() as f64).ceil() as usize;
         let settling_p95_s = settling.get(place.saturating_sub(1)).copied();

@@ -1,11 +1,11 @@
 //! Summary from `robust`.
 
+use super::compare::counted;
 use super::lines::{LABEL, labelled, wrapped};
 use crate::link::Arm;
 use crate::robust::{
     Distribution, Help, Hold, How, Key, Measure, PlantKind, RobustSummary, WorstPlant,
 };
-use super::compare::counted;
 use crate::text::significant;
 
 /// The summary of a study; `kinds` has the kind of each plant, `written` names the files.
@@ -82,9 +82,9 @@ fn plants_line(summary: &RobustSummary, kinds: &[PlantKind]) -> String {
         parts.push(format!("{} drawn ({drawn}, seed {seed})", summary.sample.runs));
     }
     if summary.drawn_again > 0 {
-        parts.push(format!("{} drawn again, as the file refused them", summary.drawn_again));
+        parts.push(format!("{} drawn again", summary.drawn_again));
     }
-    format!("{}: {}", summary.plants, parts.join(", "))
+    wrapped(std::iter::once(format!("{} in all", summary.plants)).chain(parts), "")
 }
 
 /// A value of a key in its unit.
@@ -102,7 +102,11 @@ fn place(summary: &RobustSummary, worst: &WorstPlant) -> String {
     let values = summary.keys().zip(&worst.values);
     let values = values.filter_map(|(key, own)| Some(value(key, (*own)?)));
     let values: Vec<String> = values.collect();
-    if values.is_empty() { "the link of the file".to_owned() } else { values.join(", ") }
+    if values.is_empty() {
+        "the link of the file".to_owned()
+    } else {
+        wrapped(values.into_iter(), "")
+    }
 }
 
 fn worst_lines(summary: &RobustSummary) -> String {
@@ -113,7 +117,7 @@ fn worst_lines(summary: &RobustSummary) -> String {
         lines.push(format!("{} {size}", own.measure.word()));
         let next = summary.worst.get(number + 1);
         if next.is_none_or(|next| next.values != own.values) {
-            lines.push(format!("  at {}", place(summary, own)));
+            lines.push(format!("at {}", place(summary, own)));
         }
     }
     lines.join(&indent)
@@ -140,9 +144,16 @@ fn settling_line(summary: &RobustSummary) -> String {
     let band = both(summary.band_m, summary);
     match summary.settling_p95_s {
         Some(after_s) => {
-            format!("95 % of the drawn plants are within {band} {} s after the motion", significant(after_s, 3))
+            let after = significant(after_s, 3);
+            format!(
+                "95 % of the drawn plants stay within {band}\n{:LABEL$}from {after} s after the motion on",
+                ""
+            )
         }
-        None => format!("more than 5 % of the drawn plants do not stay within {band}\n{:LABEL$}in 10 periods after the motion", ""),
+        None => format!(
+            "more than 5 % of the drawn plants do not stay within {band}\n{:LABEL$}in 10 periods after the motion",
+            ""
+        ),
     }
 }
 
@@ -162,14 +173,16 @@ fn keys_line(summary: &RobustSummary) -> String {
 }
 
 fn inside_line(summary: &RobustSummary) -> String {
-    let items = summary.keys.iter().flat_map(|own| {
-        own.inside.iter().map(move |inside| {
-            let size = percent(inside.size_m, summary);
-            let at = value(&own.key, inside.value);
-            format!("not monotone: {} is largest, {size}, at {at}", inside.measure.word())
-        })
+    let items = summary.keys.iter().filter(|own| !own.inside.is_empty()).map(|own| {
+        let worst = own.inside.iter().map(|inside| {
+            let (size, at) = (percent(inside.size_m, summary), significant(inside.value, 4));
+            format!("{} {size} at {at}", inside.measure.word())
+        });
+        let indent = format!(",\n{:LABEL$}  ", "");
+        let worst = worst.collect::<Vec<_>>().join(&indent);
+        format!("{} is not monotone:\n{:LABEL$}  {worst}", own.key.heading(), "")
     });
-    wrapped(items, "")
+    items.collect::<Vec<_>>().join(&format!("\n{:LABEL$}", ""))
 }
 
 fn limits_line(summary: &RobustSummary) -> String {
@@ -177,7 +190,10 @@ fn limits_line(summary: &RobustSummary) -> String {
         let joint = own.joint.map_or(String::new(), |joint| format!("joint {}: ", joint + 1));
         let [limit, largest] = [own.limit, own.largest].map(|number| significant(number, 4));
         let share = share(own.share);
-        format!("{joint}{share} of the drawn plants exceed {} = {limit} {} (up to {largest})", own.key, own.unit)
+        format!(
+            "{joint}{share} of the drawn plants exceed {} = {limit} {} (up to {largest})",
+            own.key, own.unit
+        )
     });
     wrapped(items, "")
 }
@@ -194,10 +210,13 @@ fn errors_line(summary: &RobustSummary) -> String {
     let errors = summary.errors;
     let share = |m: f64| format!("{:.1e}", m / summary.travel_m);
     let common = if errors.common_m > 0.0 {
-        let text = "taken off from all: the nominal link, whose damping in time differs";
+        let text = "taken off: the nominal link, as its damping differs in time";
         format!(";\n{:LABEL$}{} {text}", "", share(errors.common_m))
     } else {
         String::new()
     };
-    format!("plays {} of the travel (nominal and worst plant, in full){common}", share(errors.play_m))
+    format!(
+        "plays {} of the travel (nominal and worst plant, in full){common}",
+        share(errors.play_m)
+    )
 }
