@@ -38,6 +38,7 @@ mod reading;
 mod repeat;
 mod report;
 mod rigs;
+mod shape;
 mod simulate;
 mod simulate_recorded;
 mod simulate_refusals;
