@@ -29,7 +29,7 @@
 //! | | [`system`] | memory that this process may still take; the request to stop it |
 //! | | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units, Student's t: mathematics that knows no beam |
 //! | | [`link`] | the physical link, and arms of several links, checked at construction |
-//! | | [`motion`] | the motion of a tip and the path of an arm, checked at construction; spectra, analytic profiles and curves |
+//! | | [`motion`] | the motion of a tip and the path of an arm, checked at construction; spectra, analytic profiles, input shapers and curves |
 //! | | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
 //! | | [`recording`] | quality of a recorded motion: the digits and times of its samples, rests at its ends |
 //! | | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |

@@ -112,6 +112,10 @@ class _TrajectoryOptions(TypedDict, total=False):
     link: _Path
     set: str | list[str]
     fit_limit: str | list[str]
+    shape: Literal["zv", "zvd", "ei", "2hump"]
+    of: Literal["held", "free"]
+    quiet_at: Literal["held", "free"]
+    modes: int | Sequence[int]
     path: Literal["line", "arc"]
     start: tuple[float, float]
     to: tuple[float, float]

@@ -14,10 +14,12 @@ const REPEATED: [&str; 3] = ["via", "set", "fit_limit"];
 const RENAMED: [(&str, &str); 1] = [("from", "start")];
 
 /// The motion of a tip, or the path of an arm's tip, as a dictionary of the arrays that `solve` takes:
-/// ``time`` and ``acceleration``, or ``time``, ``x``, ``y``, and ``carriage`` for an arm on one.
+/// ``time`` and ``acceleration``, or ``displacement`` if it is shaped, or ``time``, ``x``, ``y``, and ``carriage`` for an arm
+/// on one.
 ///
 /// Keywords are the options of ``flexlink trajectory``: ``distance``, ``duration``, ``step``, ``rest_before``,
-/// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``, ``carriage``,
+/// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``shape``, ``of``, ``quiet_at`` and
+/// ``modes``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``, ``carriage``,
 /// and ``start`` for ``--from``. A list of ``via``, ``set`` or ``fit_limit`` repeats the option.
 ///
 /// >>> import flexlink

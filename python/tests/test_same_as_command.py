@@ -72,6 +72,23 @@ def test_tables_over_frequency_and_motions_are_those_of_the_command(
     for name, texts in columns(tmp_path / "motion.csv").items():
         # Times are written to so many decimals as the step has.
         np.testing.assert_allclose(motion[name], [float(x) for x in texts], rtol=1e-15, atol=1e-15)
+    shaped = ("--shape", "zv", "--of", "held", "--modes", "1,2", "--link", LINK)
+    command("trajectory", "min-jerk", *options, *shaped)
+    motion = flexlink.trajectory(
+        "min-jerk",
+        distance=0.5,
+        duration=0.88,
+        step=0.001,
+        shape="zv",
+        of="held",
+        modes=[1, 2],
+        link=LINK,
+    )
+    np.testing.assert_array_equal(
+        motion["displacement"],
+        np.loadtxt(tmp_path / "motion.csv", delimiter=",", skiprows=2)[:, 1],
+    )
+    assert motion["displacement"].size > 881
 
 
 def test_a_sweep_has_the_numbers_of_the_command(command: Command, tmp_path: Path) -> None:

@@ -304,7 +304,10 @@ fn straight(
 }
 
 /// Modes and zeros of a link without gravity.
-fn level((link, plan): (&Link, &MeshPlan), count: usize) -> Result<ModesResult, Failure> {
+pub(super) fn level(
+    (link, plan): (&Link, &MeshPlan),
+    count: usize,
+) -> Result<ModesResult, Failure> {
     let (mesh, omega_rad_s) = resolved(link, plan, count)?;
     let law = DampingLaw::of(link, &mesh)?;
     check_shapes(omega_rad_s.len() * mesh.nodes_m().len())?;

@@ -103,7 +103,7 @@ fn path() -> Result<Vec<u8>, Failure> {
         b"# Tip goes straight from (0.9, -0.5) to (0.5, 0.8) in 1.5 s, seventh degree (s, m)\n"
             .to_vec();
     let curve = Curve::through(&[[0.9, -0.5], [0.5, 0.8]]).map_err(|error| not_written(&error))?;
-    let columns = curve.columns(Profile::Septic, (2e-3, 750), [0, 0], &[]);
+    let columns = curve.columns(&Profile::Septic.into(), (2e-3, 750), [0, 0], &[]);
     let columns = columns.map_err(|error| not_written(&error))?;
     write_path(&mut text, &columns, Digits::Full).map_err(|error| not_written(&error))?;
     Ok(text)

@@ -27,10 +27,10 @@ impl Bench {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
-    /// Columns of a table, each with its name.
+    /// Columns of a table, each with its name, below its comments.
     pub(crate) fn table(&self, name: &str) -> Vec<(String, Vec<f64>)> {
         let text = self.read(name);
-        let mut lines = text.lines();
+        let mut lines = text.lines().skip_while(|line| line.starts_with('#'));
         let names = lines.next().unwrap().split(',').map(str::to_owned);
         let mut columns: Vec<(String, Vec<f64>)> = names.map(|name| (name, Vec::new())).collect();
         for line in lines {

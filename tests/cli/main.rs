@@ -39,6 +39,7 @@ mod repeat;
 mod report;
 mod rigs;
 mod robust;
+mod shape;
 mod simulate;
 mod simulate_recorded;
 mod simulate_refusals;

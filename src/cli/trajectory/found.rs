@@ -2,14 +2,15 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::shape::Shape;
 use crate::cli::options::inputs::ChangeArgs;
 use crate::cli::terminal::text::{binding_text, found_text, is_limit_of_carriage};
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
-use crate::inverse::{Resources, Solution, SolutionWarning, invert_motion};
-use crate::motion::{Course, CurveError, Ends, Motion, Profile, TipMotion};
+use crate::inverse::{Solution, SolutionWarning};
+use crate::motion::{CurveError, Ends, Law, MotionError, Profile};
 use crate::result::{
-    Along, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics, Notice, OpenMotion, Peak,
-    Remark, shortest_fit,
+    Along, Fit, FitError, FitProblem, JointMetrics, LimitedValue, Limits, Metrics, Notice,
+    OpenMotion, Peak, Remark, shortest_fit, solved,
 };
 use crate::spec::{Override, SpecError, Specification};
 use crate::text::{excerpt, plain, significant, visible};
@@ -37,7 +38,8 @@ pub(super) fn profiles() -> impl TypedValueParser<Value = Choice> {
 
 /// Profile and duration of a motion.
 pub struct Found {
-    pub(super) profile: Profile,
+    pub(super) law: Law,
+    /// Steps of the profile, without those of the shaper.
     pub(super) steps: usize,
     /// Comment for the first line of the file.
     pub(super) comment: String,
@@ -58,6 +60,8 @@ pub(super) struct Search {
     /// Steps of the duration; `None` if limits decide.
     pub(super) steps: Option<usize>,
     pub(super) step_s: f64,
+    /// The modes that the motion must not excite.
+    pub(super) shape: Option<Shape>,
 }
 
 impl Search {
@@ -68,21 +72,33 @@ impl Search {
         arm: Option<&Specification>,
     ) -> Result<Found, Failure> {
         let is_cycle = along.ends() == Ends::Periodic;
-        let Some(arm) = arm.filter(|_| self.steps.is_none() || is_cycle) else {
+        let is_solved = self.steps.is_none() || is_cycle || self.shape.is_some();
+        let Some(arm) = arm.filter(|_| is_solved) else {
             return self.given();
         };
-        let (found, solution) = match (self.steps, along) {
-            (Some(_), Along::Arc(course)) => {
-                let given = self.given()?;
-                let solution = self.solved(arm, course, &given)?;
-                (given, solution)
-            }
-            _ => self.shortest(arm, along)?,
+        let (mut found, solution) = if self.steps.is_some() {
+            let given = self.given()?;
+            let solution = self.solved(arm, along, &given)?;
+            (given, solution)
+        } else {
+            self.shortest(arm, along)?
         };
         let metrics = Metrics::of(&solution);
         if is_cycle {
             let cycle_s = plain(self.time_s(solution.grid.len));
             console::note(&solution.arm.joint().worded(&cycle_text(&cycle_s, &metrics)));
+        }
+        if let Some(shape) = &self.shape {
+            let own = solution.motion.grid();
+            let steps = own.len - usize::from(!is_cycle);
+            let times_s = (self.time_s(found.steps), self.time_s(steps));
+            let text = shape.text(found.law.profile(), times_s);
+            console::note(&text);
+            found.comment = format!("# {text}\n{}", found.comment);
+            let of_torque = timing_text(&metrics, solution.arm.pick(false, true));
+            if let Some(text) = of_torque {
+                console::note(&solution.arm.joint().worded(&text));
+            }
         }
         let worded = |own: Notice| own.worded(&solution.arm);
         console::warnings(solution.warnings.iter().map(|own| worded(own.into())));
@@ -101,24 +117,50 @@ impl Search {
         };
         // Checked options have a duration unless there is a link.
         let steps = self.steps.unwrap_or_default();
-        Ok(Found { profile, steps, comment: String::new(), warnings: 0 })
+        Ok(Found { law: self.law(profile), steps, comment: String::new(), warnings: 0 })
     }
 
-    /// The cycle of the command line, solved.
+    /// A profile, shaped.
+    fn law(&self, profile: Profile) -> Law {
+        match &self.shape {
+            Some(shape) => Law::shaped(profile, &shape.shaper, self.step_s),
+            None => profile.into(),
+        }
+    }
+
+    /// The motion of the command line, solved.
     fn solved(
         &self,
         specification: &Specification,
-        course: &Course,
+        along: Along,
         given: &Found,
     ) -> Result<Solution, Failure> {
-        let Specification { arm, meshes, analysis, .. } = specification;
-        let columns = course.sampled(given.profile, self.step_s, given.steps, [0, 0]);
-        let columns = columns.map_err(|error| not_made(&error))?;
-        let motion = TipMotion::with_ends(columns, course.ends())
-            .map_err(|error| not_solved(Failure::new(Exit::Usage, &error, error.hint())))?;
-        let resources = Resources { memory_bytes: memory::available(), ..Resources::default() };
-        let solution = invert_motion(arm, meshes, &Motion::Tip(motion), analysis, &resources);
-        solution.map_err(|error| not_solved(FitError::from(error).into()))
+        let Specification { arm, meshes: plans, analysis, limits, .. } = specification;
+        let (law, step_s, memory_bytes) = (&given.law, self.step_s, memory::available());
+        let motion = OpenMotion { law, along, step_s, durations: None };
+        let problem = FitProblem { arm, plans, analysis, memory_bytes, limits, motion };
+        solved(&problem, given.steps).map_err(|error| match error {
+            FitError::Curve(error) => not_made(&error),
+            error => self.not_solved(along, error),
+        })
+    }
+
+    /// The failure of a motion without a torque for --link; it is therefore not written.
+    fn not_solved(&self, along: Along, error: FitError) -> Failure {
+        let (is_cycle, is_shaped) = (along.ends() == Ends::Periodic, self.shape.is_some());
+        let exit = matches!(error, FitError::Motion(_)).then_some(Exit::Usage);
+        let is_repeated = matches!(error, FitError::Motion(MotionError::Repeats { .. }));
+        let failure = Failure::from(error);
+        let what = if is_cycle { "cycle" } else { "motion" };
+        let message = format!("the {what} is neither solved nor written: {}", failure.message);
+        let own = if is_repeated && is_shaped {
+            Some("use a --dwell of several steps, or another --step".to_owned())
+        } else {
+            failure.hint.clone()
+        };
+        let without = (!is_shaped).then(|| "without --link it is written".to_owned());
+        let hint = own.into_iter().chain(without).reduce(|own, more| format!("{own}; {more}"));
+        Failure { exit: exit.unwrap_or(failure.exit), message, hint, ..failure }
     }
 
     /// The shortest motion within the limits.
@@ -128,9 +170,14 @@ impl Search {
         along: Along,
     ) -> Result<(Found, Solution), Failure> {
         let Specification { arm, meshes: plans, analysis, limits, .. } = specification;
-        refuse_no_limit(limits)?;
+        let is_quiet = self.steps.is_none() && self.quiet(Profile::Sine).is_some();
+        if !is_quiet {
+            refuse_no_limit(limits)?;
+        }
         let found = self.searched(|profile| {
-            let motion = OpenMotion { profile, along, step_s: self.step_s };
+            let (law, durations) = (self.law(profile), self.quiet(profile));
+            let (step_s, durations) = (self.step_s, durations.as_deref());
+            let motion = OpenMotion { law: &law, along, step_s, durations };
             let memory_bytes = memory::available();
             shortest_fit(&FitProblem { arm, plans, analysis, memory_bytes, limits, motion })
         });
@@ -176,8 +223,8 @@ impl Search {
             let rank = (!kinds.is_empty(), own.steps);
             let duration_s = plain(self.time_s(own.steps));
             let kinds = if rank.0 { format!(" ({})", kinds.join(", ")) } else { String::new() };
-            let note =
-                format!("{:<9}  {duration_s} s{kinds}{}", profile.name(), binding_text(&own));
+            let binds = self.binding_text(profile, &own);
+            let note = format!("{:<9}  {duration_s} s{kinds}{binds}", profile.name());
             notes.push((rank, note));
             let is_better = best.as_ref().is_none_or(|(of_known, _, known)| {
                 rank < *of_known || rank == *of_known && share(&own) < share(known)
@@ -204,7 +251,8 @@ impl Search {
         values: &[LimitedValue],
     ) -> Found {
         let duration_s = plain(self.time_s(fit.steps));
-        let found = format!("{duration_s} s{of}, {}", found_text(fit, values));
+        let is_quiet = self.quiet(profile).is_some();
+        let found = format!("{duration_s} s{of}, {}", found_text(fit, values, is_quiet));
         match self.profile {
             Choice::Best if warnings == 0 => {
                 console::note(&format!("the best without a warning or jump is {profile}: {found}"));
@@ -214,10 +262,22 @@ impl Search {
                     "every profile warns or jumps; the shortest is {profile}: {found}"
                 ));
             }
-            Choice::Profile(_) => console::note(&format!("{found}{}", binding_text(fit))),
+            Choice::Profile(_) => {
+                console::note(&format!("{found}{}", self.binding_text(profile, fit)));
+            }
         }
         let comment = format!("# {profile}: {found}\n");
-        Found { profile, steps: fit.steps, comment, warnings: 0 }
+        Found { law: self.law(profile), steps: fit.steps, comment, warnings: 0 }
+    }
+
+    /// The limit that binds; of quiet durations none does.
+    fn binding_text(&self, profile: Profile, fit: &Fit) -> String {
+        self.quiet(profile).map_or_else(|| binding_text(fit), |_| String::new())
+    }
+
+    /// Numbers of steps at which the profile does not excite the mode of --quiet-at; `None` without it.
+    fn quiet(&self, profile: Profile) -> Option<Vec<usize>> {
+        self.shape.as_ref()?.durations(profile, self.step_s)
     }
 
     /// The time in s of this many steps, without the last digits of the product.
@@ -264,12 +324,18 @@ fn refuse_no_limit(limits: &[Limits]) -> Result<(), Failure> {
     Err(Failure::new(Exit::Usage, &message, Some(hint)))
 }
 
-/// The failure of a cycle without a torque for --link; it is therefore not written.
-fn not_solved(failure: Failure) -> Failure {
-    let message = format!("the cycle is neither solved nor written: {}", failure.message);
-    let hints = [failure.hint, Some("without --link it is written".to_owned())];
-    let hint = hints.into_iter().flatten().collect::<Vec<_>>().join("; ");
-    Failure { message, hint: Some(hint), ..failure }
+/// The time by which the torques precede the tip's motion and outlast it; `None` for a cycle.
+fn timing_text(metrics: &Metrics, is_arm: bool) -> Option<String> {
+    let largest = |times: fn(&JointMetrics) -> Option<f64>| {
+        metrics.joints.iter().filter_map(times).reduce(f64::max)
+    };
+    let (lead_s, lag_s) = largest(|own| own.lead_s).zip(largest(|own| own.lag_s))?;
+    let [lead, lag] = [lead_s, lag_s].map(|own| significant(own.abs(), 3));
+    let starts = if lead_s < 0.0 { "after its start" } else { "before the motion" };
+    let ends = if lag_s < 0.0 { "before its end" } else { "after it" };
+    let torque = if is_arm { "the first torque" } else { "the torque" };
+    let last = if is_arm { "the last" } else { "it" };
+    Some(format!("{torque} starts {lead} s {starts}, and {last} ends {lag} s {ends}"))
 }
 
 /// What a cycle takes.

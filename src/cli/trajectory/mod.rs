@@ -2,6 +2,7 @@
 
 mod found;
 mod path;
+mod shape;
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use clap::Args;
 
 use self::found::{Choice, Found, Limited, Search, limits, not_made, profiles};
 use self::path::{PathArgs, Travel, reached, refused, travel};
+use self::shape::ShapeArgs;
 use crate::cli::options::common::seconds;
 use crate::cli::options::inputs::{ChangeArgs, specification};
 use crate::cli::terminal::{Exit, Failure, WarningArgs, console, memory};
@@ -40,6 +42,10 @@ Example:
       --link link.toml --fit-limit torque=2
   flexlink trajectory septic --distance '90 deg' \\
       --link link.toml --duration '800 ms' --step '1 ms'
+  flexlink trajectory min-jerk --distance 0.2 --step 0.001 \\
+      --duration 0.44 --link link.toml --shape zv --of held
+  flexlink trajectory min-jerk --distance 0.2 --step 0.001 \\
+      --link link.toml --quiet-at held --fit-limit torque=2
   flexlink trajectory septic --path line --from 0.9,-0.5 \\
       --to 0.5,0.8 --duration 1.5 --step 0.001 \\
       --link arm.toml -o path.csv
@@ -55,6 +61,12 @@ Example:
 /// Writes a CSV of time and acceleration, to standard output or a file. The samples end at rest exactly and add up to
 /// the travel. With --path, the CSV has time, x and y, and the profile is the law of the travel along the path; with
 /// --carriage also the place of the arm's carriage.
+///
+/// The torque of `solve` leaves the link at rest. If its stiffness is off by some percent, the link rings: as strongly as
+/// the motion excites its modes. --shape and --quiet-at make motions that excite them little, and print how long the
+/// torque starts before the motion and ends after it. Shaped motions are written as time and displacement. The modes of
+/// an arm, or of a link that turns under gravity, change along the way: the middle of their range counts, and the largest
+/// remainder on the way is printed.
 ///
 /// Profiles: sine (one period of a sine acceleration), versine (harmonic, with jumps of the acceleration at
 /// both ends), min-jerk (fifth degree), septic (seventh degree, the smoothest of the polynomials),
@@ -107,6 +119,9 @@ pub struct Trajectory {
     rest_after: f64,
 
     #[command(flatten)]
+    shape: ShapeArgs,
+
+    #[command(flatten)]
     pub path: PathArgs,
 
     /// Rest at each --via, in s or with its unit, a whole number of steps; with --cycle also at both ends.
@@ -143,9 +158,10 @@ impl Trajectory {
     pub fn motion(&self) -> Result<(MotionColumns, Found), Failure> {
         let link = self.specification(Limited::Link)?;
         let course = self.course(link.as_ref())?;
-        let found = self.search()?.found(Along::Arc(&course), link.as_ref())?;
-        let rest = self.rests(found.steps, BYTES_PER_SAMPLE)?;
-        let columns = course.sampled(found.profile, self.step, found.steps, rest);
+        let along = Along::Arc(&course);
+        let found = self.search(along, link.as_ref())?.found(along, link.as_ref())?;
+        let rest = self.rests(&found, BYTES_PER_SAMPLE)?;
+        let columns = course.sampled(&found.law, self.step, found.steps, rest);
         Ok((columns.map_err(|error| not_made(&error))?, found))
     }
 
@@ -156,17 +172,19 @@ impl Trajectory {
         arm: Option<&Specification>,
     ) -> Result<(PathColumns, Found), Failure> {
         let along = Along::Curve(curve, self.path.outer_rad());
-        let found = self.search()?.found(along, arm)?;
-        let rest = self.rests(found.steps, BYTES_PER_PLACE)?;
+        let found = self.search(along, arm)?.found(along, arm)?;
+        let rest = self.rests(&found, BYTES_PER_PLACE)?;
         let (steps, outer_rad) = ((self.step, found.steps), self.path.outer_rad());
-        let columns = curve.columns(found.profile, steps, rest, outer_rad);
+        let columns = curve.columns(&found.law, steps, rest, outer_rad);
         Ok((columns.map_err(|error| refused(&error, error.hint()))?, found))
     }
 
     /// The open and the fixed values of the motion.
-    fn search(&self) -> Result<Search, Failure> {
+    fn search(&self, along: Along, own: Option<&Specification>) -> Result<Search, Failure> {
         let steps = self.duration.map(|duration_s| self.steps("--duration", duration_s, 4.0));
-        Ok(Search { profile: self.profile, steps: steps.transpose()?, step_s: self.step })
+        let (profile, step_s) = (self.profile, self.step);
+        let shape = self.shape.shape(own, along)?;
+        Ok(Search { profile, steps: steps.transpose()?, step_s, shape })
     }
 
     /// The curve of --path; `None` without it. Checks the options that every motion has.
@@ -197,7 +215,7 @@ impl Trajectory {
             .map_err(|cause| Failure::new(Exit::CannotWrite, &cause, None))?;
         // The warnings of a solved path include this one.
         let warned = match &arm {
-            Some(arm) if self.duration.is_some() => reached(&text, arm)?,
+            Some(arm) if self.duration.is_some() && !self.shape.is_given() => reached(&text, arm)?,
             _ => warnings,
         };
         console::deliver(self.output.as_deref(), &text)?;
@@ -205,11 +223,12 @@ impl Trajectory {
     }
 
     /// Steps of rest before and after.
-    fn rests(&self, steps: usize, bytes_per_sample: usize) -> Result<[usize; 2], Failure> {
+    fn rests(&self, found: &Found, bytes_per_sample: usize) -> Result<[usize; 2], Failure> {
         let before = self.steps("--rest-before", self.rest_before, 0.0)?;
         let after = self.steps("--rest-after", self.rest_after, 0.0)?;
         let stops = self.path.travels().count() + usize::from(self.cycle);
-        let way = steps + stops * self.steps("--dwell", self.dwell, 0.0)?;
+        let dwell = self.steps("--dwell", self.dwell, 0.0)?;
+        let way = found.steps + stops * dwell + (stops + 1) * found.law.more_steps();
         let ways = if self.cycle { 2 } else { 1 };
         let bytes = (ways * way + before + after) * bytes_per_sample;
         memory::check("the trajectory", bytes, None, "use a longer step")?;
@@ -231,14 +250,22 @@ impl Trajectory {
         self.check_duration()?;
         let turns = self.travels().any(|(_, travel)| matches!(travel, Travel::Angle(_)));
         let is_searched = self.duration.is_none() || matches!(self.profile, Choice::Best);
-        let uses_link = is_searched || self.path.is_given() || turns || self.cycle;
+        let is_shaped = self.shape.is_given();
+        let uses_link = is_searched || is_shaped || self.path.is_given() || turns || self.cycle;
         let stops = self.cycle || self.path.stops();
         let (option, needs) = if let Some(option) = self.path.without_path() {
             (option, "--path")
         } else if self.link.is_some() && !uses_link {
-            ("--link", "--path, --cycle, an angle as --distance or --via, or without --duration")
+            (
+                "--link",
+                "--path, --cycle, --shape, an angle as --distance or --via, or without --duration",
+            )
         } else if self.link.is_none() && !self.changes.is_empty() {
             ("--set", "--link, the file that it changes")
+        } else if self.shape.is_quiet() && self.path.stops() {
+            ("--quiet-at", "one move, without --via, or with --corner on a path")
+        } else if self.shape.has_idle_modes() {
+            ("--modes", "--shape or --quiet-at")
         } else if self.dwell != 0.0 && !stops {
             ("--dwell", "--cycle, or with --via where the tip stops")
         } else {

@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use super::error::{CurveError, FEWEST_STEPS};
 use super::path::PathColumns;
 use super::profile::Profile;
+use super::shaper::Law;
 use crate::numeric::GaussRule;
 
 /// Largest coordinate, radius and length in m, and smallest length.
@@ -157,19 +158,26 @@ impl Curve {
         piece.at(((arc_m - start_m) / piece.length_m()).clamp(0.0, 1.0))
     }
 
-    /// Places at the samples of a profile with `steps` steps, at rest for `rest[0]` steps before and `rest[1]` after.
-    /// The profile is the law of the arc length over the whole curve, or over each leg if the tip stops between. Legs
+    /// Places of a carriage in m where the tip is at an arc length; `None` without a carriage.
+    pub fn carriage_at(&self, arc_m: f64) -> Option<f64> {
+        let [from_m, to_m] = self.carriage_m?;
+        let way = Piece::Line { from_m: [from_m, 0.0], to_m: [to_m, 0.0] };
+        Some(way.at(arc_m / self.length_m)[0])
+    }
+
+    /// Places at the samples of a law whose profile has `steps` steps, at rest for `rest[0]` steps before and `rest[1]`
+    /// after. It is the law of the arc length over the whole curve, or over each leg if the tip stops between. Legs
     /// share the steps by their lengths, so that the tip is equally fast on each, as nearly as whole steps allow.
     ///
     /// # Errors
     /// [`CurveError::FewSteps`] for a leg with too few steps.
     pub fn sampled(
         &self,
-        profile: Profile,
+        law: &Law,
         steps: usize,
         rest: [usize; 2],
     ) -> Result<Vec<[f64; 2]>, CurveError> {
-        let arcs_m = self.arcs_m(profile, steps, rest)?;
+        let arcs_m = self.arcs_m(law, steps, rest)?;
         Ok(arcs_m.into_iter().map(|arc_m| self.at(arc_m)).collect())
     }
 
@@ -180,27 +188,19 @@ impl Curve {
     /// [`CurveError::FewSteps`] for a leg with too few steps.
     pub fn columns(
         &self,
-        profile: Profile,
+        law: &Law,
         (step_s, steps): (f64, usize),
         rest: [usize; 2],
         outer_rad: &[f64],
     ) -> Result<PathColumns, CurveError> {
-        let arcs_m = self.arcs_m(profile, steps, rest)?;
+        let arcs_m = self.arcs_m(law, steps, rest)?;
         let places_m: Vec<[f64; 2]> = arcs_m.iter().map(|arc_m| self.at(*arc_m)).collect();
-        let carriage_m = self.carriage_m.map(|[from_m, to_m]| {
-            let way = Piece::Line { from_m: [from_m, 0.0], to_m: [to_m, 0.0] };
-            arcs_m.iter().map(|arc_m| way.at(arc_m / self.length_m)[0]).collect()
-        });
+        let carriage_m = arcs_m.iter().map(|arc_m| self.carriage_at(*arc_m)).collect();
         Ok(PathColumns::of_tip(step_s, &places_m, outer_rad, carriage_m))
     }
 
     /// Arc lengths in m at these samples.
-    fn arcs_m(
-        &self,
-        profile: Profile,
-        steps: usize,
-        rest: [usize; 2],
-    ) -> Result<Vec<f64>, CurveError> {
+    fn arcs_m(&self, law: &Law, steps: usize, rest: [usize; 2]) -> Result<Vec<f64>, CurveError> {
         let mut arcs_m = vec![0.0; rest[0] + 1];
         let (mut from_m, mut first) = (0.0, 0);
         for (leg, stop_m) in self.stops_m.iter().enumerate() {
@@ -209,15 +209,10 @@ impl Curve {
             if own < FEWEST_STEPS {
                 return Err(CurveError::FewSteps { number: leg + 1, steps: own, all: steps });
             }
-            let arc_m = |k: usize| {
-                // From the nearer end, so that both ends are met exactly.
-                let near_m = (stop_m - from_m) * profile.share(k.min(own - k) as f64 / own as f64);
-                if 2 * k <= own { from_m + near_m } else { stop_m - near_m }
-            };
             if leg > 0 {
                 arcs_m.extend(std::iter::repeat_n(from_m, self.dwell));
             }
-            arcs_m.extend((1..=own).map(arc_m));
+            arcs_m.extend(law.places_m(from_m, *stop_m, own));
             (from_m, first) = (*stop_m, last);
         }
         arcs_m.extend(std::iter::repeat_n(self.length_m, rest[1]));

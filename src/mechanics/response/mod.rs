@@ -41,7 +41,7 @@ pub use link_ratios::damping_ratios;
 pub use modes::ModeSelection;
 pub use play::{Input, Play, PlayProgress};
 pub use played::{ModalPlay, Played, PlayedBy, PlayedLink};
-pub use pose::{ArmPose, ArmResponse, PoseError, Start, TorqueResponse};
+pub use pose::{ArmPose, ArmResponse, PoseError, Start, TorqueResponse, reached};
 pub use pose_modes::{
     ArmModes, ArmResponses, ArmShapes, PoseMode, SettledModes, arm_modes, arm_responses,
 };

@@ -406,8 +406,9 @@ fn against_each_other(chords_rad: &[f64]) -> Vec<f64> {
     chords_rad.iter().zip(before).map(|(own, before)| own - before).collect()
 }
 
-/// Directions of the unbent links that reach a place.
-fn reached(arm: &Arm, at_m: [f64; 2], outer_rad: &[f64]) -> Option<Vec<f64>> {
+/// Directions in rad of the unbent links that reach x and y in m from the first axis, the links from the third on in these
+/// directions; `None` out of reach.
+pub fn reached(arm: &Arm, at_m: [f64; 2], outer_rad: &[f64]) -> Option<Vec<f64>> {
     let lengths_m = arm.lengths_m();
     if lengths_m.len() != outer_rad.len() + 2 {
         return None;

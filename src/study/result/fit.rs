@@ -7,8 +7,8 @@ use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, InversionError, Resources, Solution, invert_motion};
 use crate::link::Arm;
 use crate::motion::{
-    ArmPath, Course, Curve, CurveError, Ends, FEWEST_STEPS, Motion, MotionError, PathError,
-    Profile, TipMotion,
+    ArmPath, Course, Curve, CurveError, Ends, FEWEST_STEPS, Law, Motion, MotionError, PathError,
+    TipMotion,
 };
 use crate::text::{plain, significant};
 
@@ -34,12 +34,14 @@ const TELLING: f64 = 0.25;
 /// A motion with an open duration.
 #[derive(Debug, Clone, Copy)]
 pub struct OpenMotion<'a> {
-    /// Its profile.
-    pub profile: Profile,
+    /// Its profile, shaped.
+    pub law: &'a Law,
     /// Where the tip goes.
     pub along: Along<'a>,
     /// Its step in s.
     pub step_s: f64,
+    /// The durations that count, in steps of the profile, ascending; `None`: all.
+    pub durations: Option<&'a [usize]>,
 }
 
 /// Where a tip goes.
@@ -187,6 +189,14 @@ pub struct FitProblem<'a> {
     pub motion: OpenMotion<'a>,
 }
 
+/// The solution of a motion of this many steps of its profile, without regard to limits.
+///
+/// # Errors
+/// [`FitError`].
+pub fn solved(problem: &FitProblem, steps: usize) -> Result<Solution, FitError> {
+    Ok(problem.inverted(problem.plans, &problem.motion_of(steps)?, false)?)
+}
+
 /// The fewest steps of a motion within limits: the answer to how fast a link may move its tip.
 ///
 /// The torque does not simply fall as the duration grows: it jumps with the number of steps, and rises again where
@@ -220,6 +230,9 @@ impl FitProblem<'_> {
 
     /// The fewest steps within the limits, see [`shortest_fit`].
     fn shortest(&self) -> Result<Fit, FitError> {
+        if let Some(durations) = self.motion.durations {
+            return self.first_of(durations.iter().copied()).map(|(_, fit)| fit);
+        }
         let (mut refused, upper) = self.doubled()?;
         let mut last = FEWEST_STEPS - 1;
         let mut found = upper;
@@ -241,9 +254,17 @@ impl FitProblem<'_> {
 
     /// The first of doubled durations that fits, and the shorter ones.
     fn doubled(&self) -> Result<(Vec<usize>, Fit), FitError> {
+        let doubled = std::iter::successors(Some(FEWEST_STEPS), |steps| Some(2 * steps));
+        self.first_of(doubled.take_while(|steps| *steps <= self.most_steps()))
+    }
+
+    /// The first of these durations that fits, and those before it.
+    fn first_of(
+        &self,
+        durations: impl Iterator<Item = usize>,
+    ) -> Result<(Vec<usize>, Fit), FitError> {
         let (mut refused, mut failed) = (Vec::new(), None);
-        let mut steps = FEWEST_STEPS;
-        while steps <= self.most_steps() {
+        for steps in durations {
             match self.tried(steps) {
                 Ok(Some(fit)) => return Ok((refused, fit)),
                 Ok(None) => {}
@@ -254,15 +275,14 @@ impl FitProblem<'_> {
                 }
             }
             refused.push(steps);
-            steps *= 2;
         }
         let tried = refused.len();
         match failed {
             Some((count, error)) if count == tried => Err(*error),
             failed => {
                 let step_s = self.motion.step_s;
-                let (shortest_s, longest_s) =
-                    (FEWEST_STEPS as f64 * step_s, self.most_steps() as f64 * step_s);
+                let [shortest_s, longest_s] = [refused.first(), refused.last()]
+                    .map(|steps| rounded(steps.copied().unwrap_or_default() as f64 * step_s));
                 Err(FitError::TooSlow { tried, shortest_s, longest_s, failed })
             }
         }
@@ -346,14 +366,14 @@ impl FitProblem<'_> {
     }
 
     fn motion_of(&self, steps: usize) -> Result<Motion, FitError> {
-        let OpenMotion { profile, along, step_s } = self.motion;
+        let OpenMotion { law, along, step_s, .. } = self.motion;
         Ok(match along {
             Along::Arc(course) => {
-                let columns = course.sampled(profile, step_s, steps, [0, 0])?;
+                let columns = course.sampled(law, step_s, steps, [0, 0])?;
                 Motion::Tip(TipMotion::with_ends(columns, course.ends())?)
             }
             Along::Curve(curve, outer_rad) => {
-                let columns = curve.columns(profile, (step_s, steps), [0, 0], outer_rad)?;
+                let columns = curve.columns(law, (step_s, steps), [0, 0], outer_rad)?;
                 Motion::Path(ArmPath::new(columns, &self.arm.lengths_m())?)
             }
         })
@@ -369,6 +389,11 @@ impl FitProblem<'_> {
         let resources = Resources { memory_bytes, is_trial, ..Resources::default() };
         invert_motion(self.arm, plans, motion, self.analysis, &resources)
     }
+}
+
+/// A time in s without the last digits of a product.
+fn rounded(time_s: f64) -> f64 {
+    format!("{time_s:.14e}").parse().unwrap_or(time_s)
 }
 
 /// Steps to try below `end`, a power of two, upward: all, or at most [`TRIALS`], evenly among the doublings.

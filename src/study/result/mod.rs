@@ -19,7 +19,7 @@ pub use channels::{
     SimulatedChannel,
 };
 pub use errors::{BandMeshError, CoarseMesh, Refined, mesh_errors};
-pub use fit::{Along, Fit, FitError, FitProblem, OpenMotion, shortest_fit};
+pub use fit::{Along, Fit, FitError, FitProblem, OpenMotion, shortest_fit, solved};
 pub use limits::{Check, Exceeded, LimitedValue, Limits, Reached, reached};
 pub use metrics::{JointMetrics, Metrics, MotorMetrics, PlayedJoint, PlayedMetrics, TIMING_LEVEL};
 pub use modes::{LinkZeros, ModesResult, Setting};

@@ -12,7 +12,7 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
 fn a_line_is_straight_to_the_last_digits_and_gone_along_by_the_law() {
     let (from, to) = ([0.9, -0.5], [0.5, 0.8]);
     let curve = Curve::through(&[from, to]).unwrap();
-    let places = curve.sampled(Profile::MinJerk, 250, [3, 2]).unwrap();
+    let places = curve.sampled(&Profile::MinJerk.into(), 250, [3, 2]).unwrap();
     assert_eq!(places.len(), 3 + 251 + 2);
     assert!(places[..=3].iter().all(|place| apart(*place, from) == 0.0));
     assert!(places[253..].iter().all(|place| apart(*place, to) == 0.0));
@@ -25,7 +25,7 @@ fn a_line_is_straight_to_the_last_digits_and_gone_along_by_the_law() {
         assert!(apart(*place, exact) < 4e-16, "at {u}: {place:?} is not {exact:?}");
     }
     let held = Curve::through(&[[0.3, 0.1], [0.3, 0.7]]).unwrap();
-    let places = held.sampled(Profile::Sine, 77, [0, 0]).unwrap();
+    let places = held.sampled(&Profile::Sine.into(), 77, [0, 0]).unwrap();
     assert!(
         places.iter().all(|place| place[0].total_cmp(&0.3).is_eq()),
         "what does not move is held exactly"
@@ -39,7 +39,7 @@ fn an_arc_keeps_its_radius_over_more_than_a_turn_either_way() {
     for angle in [0.25 * PI, -0.5 * PI, TAU, -7.5] {
         let curve = Curve::arc(from, center, angle).unwrap();
         assert!((curve.length_m() - radius * f64::abs(angle)).abs() < 1e-15 * 10.0);
-        let places = curve.sampled(Profile::Sine, 400, [0, 0]).unwrap();
+        let places = curve.sampled(&Profile::Sine.into(), 400, [0, 0]).unwrap();
         assert!(apart(places[0], from) == 0.0);
         let mut turned = 0.0;
         for (k, pair) in (1..=400_u32).zip(places.windows(2)) {
@@ -128,7 +128,7 @@ fn curvature_and_its_rate_go_on_from_the_legs_into_the_corner() {
 fn arc_length_is_the_way_that_the_tip_has_gone() {
     let corners = [[0.4, 0.3], [0.7, 0.3], [0.7, 0.6], [0.4, 0.6]];
     let curve = Curve::rounded(&corners, 0.15).unwrap();
-    let places = curve.sampled(Profile::Septic, 4000, [0, 0]).unwrap();
+    let places = curve.sampled(&Profile::Septic.into(), 4000, [0, 0]).unwrap();
     let mut way = 0.0;
     for (k, pair) in (1..=4000_u32).zip(places.windows(2)) {
         way += apart(pair[0], pair[1]);
@@ -143,7 +143,7 @@ fn arc_length_is_the_way_that_the_tip_has_gone() {
 fn the_tip_stops_at_each_place_and_is_as_fast_on_each_leg() {
     let points = [[0.3, 0.2], [0.9, 0.2], [0.9, 0.5], [0.5, 0.2]];
     let curve = Curve::through(&points).unwrap();
-    let places = curve.sampled(Profile::MinJerk, 1400, [0, 0]).unwrap();
+    let places = curve.sampled(&Profile::MinJerk.into(), 1400, [0, 0]).unwrap();
     // Legs of 0.6, 0.3 and 0.5 m share 1400 steps.
     let stops = [0, 600, 900, 1400];
     let speeds: Vec<f64> = places.windows(2).map(|pair| apart(pair[0], pair[1])).collect();
@@ -178,7 +178,7 @@ fn what_is_no_curve_is_refused() {
         assert!(matches!(none, CurveError::NoArc { .. }), "{none}");
     }
     let short = Curve::through(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.01]]).unwrap();
-    let few = short.sampled(Profile::Sine, 200, [0, 0]).unwrap_err();
+    let few = short.sampled(&Profile::Sine.into(), 200, [0, 0]).unwrap_err();
     assert!(matches!(few, CurveError::FewSteps { number: 2, steps: 2, all: 200 }), "{few}");
     // A place on the straight way is no corner.
     let straight = Curve::rounded(&[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]], 0.1).unwrap();

@@ -53,8 +53,9 @@ fn fitted_along(
     course: &Course,
 ) -> Result<Fit, FitError> {
     let (analysis, link, mesh) = (&link.analysis, link.link(), link.mesh());
-    let (arm, motion) =
-        (&link.clone().into(), OpenMotion { profile, along: Along::Arc(course), step_s });
+    let (along, durations) = (Along::Arc(course), None);
+    let motion = OpenMotion { law: &profile.into(), along, step_s, durations };
+    let arm = &link.clone().into();
     let (plans, limits, memory_bytes) = (from_ref(mesh), from_ref(&limits), None);
     shortest_fit(&FitProblem { arm, plans, analysis, memory_bytes, limits, motion })
 }
@@ -260,7 +261,7 @@ fn the_shortest_cycle_within_a_torque_in_the_mean_is_found() {
     let course = Course::to(0.4).there_and_back();
     let rest = Course::through(vec![0.4], 12).unwrap().there_and_back();
     let rms = |course: &Course, steps: usize| {
-        let columns = course.sampled(motion.profile, motion.step_s, steps, [0, 0]).unwrap();
+        let columns = course.sampled(&motion.profile.into(), motion.step_s, steps, [0, 0]).unwrap();
         let motion = TipMotion::with_ends(columns, Ends::Periodic).unwrap();
         let (analysis, link, mesh) = (&link.analysis, link.link(), link.mesh());
         let solution = invert(link, mesh, &motion, analysis).unwrap();

@@ -194,8 +194,8 @@ fn check_line(check: &Check, [width, of_found]: [usize; 2]) -> String {
     }
 }
 
-/// Result of the search for a duration, with the number of trials and the kept limits.
-pub(crate) fn found_text(fit: &Fit, values: &[LimitedValue]) -> String {
+/// Result of the search for a duration, or for a quiet one, with the number of trials and the kept limits.
+pub(crate) fn found_text(fit: &Fit, values: &[LimitedValue], is_quiet: bool) -> String {
     let arm = &fit.solution.arm;
     let each = values.iter().map(|value| {
         let LimitedValue { joint, key, limit, unit, .. } = *value;
@@ -206,6 +206,10 @@ pub(crate) fn found_text(fit: &Fit, values: &[LimitedValue]) -> String {
         own.map(str::to_owned).unwrap_or(text)
     });
     let within = each.collect::<Vec<_>>().join(", ");
+    if is_quiet {
+        let within = if within.is_empty() { within } else { format!(" within {within}") };
+        return format!("the shortest quiet duration{within}");
+    }
     if fit.is_shortest() {
         return format!("the shortest duration within {within}");
     }
