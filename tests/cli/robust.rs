@@ -293,6 +293,9 @@ fn a_commanded_position_leaves_the_vibration_of_the_design_table() {
     bench.done(&with(&motion, &["--step", "0.001", "-o", "motion.csv"]));
     let table = [
         ("rigid", [51.6, 44.0, 40.5, 37.2, 34.0, 31.1, 25.6]),
+        ("zv", [8.53, 3.57, 1.61, 0.03, 1.35, 2.40, 3.83]),
+        ("zvd", [1.40, 0.32, 0.08, 0.02, 0.08, 0.19, 0.56]),
+        ("ei", [1.10, 1.87, 1.92, 1.83, 1.62, 1.34, 0.67]),
         ("inverse", [7.12, 2.92, 1.32, 0.0, 1.06, 1.91, 3.03]),
     ];
     let on_way = [7.9, 3.4, 1.6, 0.0, 1.4, 2.5, 4.4];
@@ -311,6 +314,60 @@ fn a_commanded_position_leaves_the_vibration_of_the_design_table() {
             }
         }
     }
+}
+
+/// The tip's motion shaped, and then the exact inverse.
+#[test]
+fn a_shaped_tip_leaves_the_vibration_of_the_design_table() {
+    let bench = Bench::new();
+    bench.write("sheet.toml", SHEET);
+    let motion =
+        ["trajectory", "min-jerk", "--distance", "0.2", "--duration", "0.44", "--step", "0.001"];
+    let table = [
+        ("zv", [1.16, 0.23, 0.05, 0.0, 0.05, 0.17, 0.51]),
+        ("zvd", [0.19, 0.02, 0.01, 0.0, 0.01, 0.02, 0.07]),
+    ];
+    let on_way = [3.0, 1.2, 0.5, 0.0, 0.4, 0.8, 1.5];
+    for (shaper, rest) in table {
+        let shape = ["--shape", shaper, "--of", "held", "--link", "sheet.toml", "-o", "motion.csv"];
+        bench.done(&with(&motion, &shape));
+        for (column, factor) in [0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2].into_iter().enumerate() {
+            let interval = format!("segments.0.E*={factor}..1.5");
+            let study = ["robust", "sheet.toml", "motion.csv", "--play", "position", "--runs", "0"];
+            bench.done(&with(&study, &["--uncertain", &interval]));
+            let [tip, found] = ["tip_error", "rest_vibration"].map(|name| {
+                100.0 * bench.cells("robust/robust.csv", name)[1].parse::<f64>().unwrap()
+            });
+            assert!((found - rest[column]).abs() < 0.1, "{shaper} {factor}: {found}");
+            if shaper == "zv" {
+                assert!((tip - on_way[column]).abs() < 0.1, "{factor}: {tip}");
+            }
+        }
+    }
+}
+
+/// A shaper with a hump leaves most inside the interval: at its mode, and zeros on both sides.
+#[test]
+fn a_key_with_its_worst_value_inside_is_told_and_searched() {
+    let bench = Bench::new();
+    bench.write("sheet.toml", SHEET);
+    let motion = ["trajectory", "min-jerk", "--distance", "0.2", "--duration", "0.44"];
+    bench.done(&with(&motion, &["--step", "0.001", "-o", "motion.csv"]));
+    let study = ["robust", "sheet.toml", "motion.csv", "--play", "position", "--command", "ei"];
+    let study = with(&study, &["--uncertain", "segments.0.E*=0.8..1.2", "--runs", "200"]);
+    let printed = bench.printed(&study);
+    assert!(printed.contains("segments.0.E* is not monotone"), "{printed}");
+    let summary = bench.json("robust/summary.json");
+    let inside = summary["keys"][0]["inside"].as_array().unwrap();
+    let rest = inside.iter().find(|own| own["measure"] == "rest_vibration").unwrap();
+    let value = rest["value"].as_f64().unwrap();
+    assert!((0.9..0.98).contains(&value), "{value}");
+    // The largest of all plants is that of the search.
+    let worst = number(&summary, "worst/1/size_m");
+    let cells = bench.cells("robust/robust.csv", "rest_vibration");
+    let largest = cells.iter().map(|cell| cell.parse::<f64>().unwrap()).fold(0.0, f64::max);
+    assert!((largest * 0.2 / worst - 1.0).abs() < 1e-6, "{largest}");
+    assert!(worst >= rest["size_m"].as_f64().unwrap() * (1.0 - 1e-12));
 }
 
 #[test]

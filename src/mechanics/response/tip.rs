@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::DMatrix;
+use num_complex::Complex64;
 
 use super::error::SimulationError;
 use super::modes::Equations;
@@ -13,7 +14,7 @@ use super::stepper::Stepper;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Arm, Link};
 use crate::modal::{DampingLaw, PoseHub, pose_modes};
-use crate::numeric::TimeGrid;
+use crate::numeric::{TimeGrid, magnitude};
 
 /// Share of the motion above the input's band, see [`Play::band_rad_s`].
 pub(crate) const NEGLIGIBLE: f64 = 1e-7;
@@ -46,9 +47,25 @@ pub struct PlayedTip {
     pub grid: TimeGrid,
     /// Displacement in m of a link's tip, or x and y of an arm's.
     pub at_m: Vec<Vec<f64>>,
-    /// Period in s of the lowest mode that rings with the joints as they are played: free under efforts, held where they
-    /// move as prescribed, on the gains of feedback. `None` if nothing rings.
-    pub period_s: Option<f64>,
+    /// The lowest mode that rings with the joints as they are played: free under efforts, held where they move as
+    /// prescribed, on the gains of feedback. `None` if nothing rings.
+    pub rings: Option<Ringing>,
+}
+
+/// A mode that rings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ringing {
+    /// Its damped period in s.
+    pub period_s: f64,
+    /// Its damping ratio; 0 where unknown: for bent links.
+    pub ratio: f64,
+}
+
+impl Ringing {
+    /// Undamped frequency in rad/s.
+    pub fn omega_rad_s(&self) -> f64 {
+        TAU / self.period_s / (1.0 - self.ratio * self.ratio).sqrt()
+    }
 }
 
 /// Plays an input like [`simulate`](super::simulate), and computes the tip alone. Bent links play at one refinement.
@@ -66,15 +83,15 @@ pub fn simulate_tip(
     if !play.is_bent(arm) {
         return linear(&arm.links()[0].link, &meshes.swap_remove(0), play, course);
     }
-    let period_s = period_of_bent_s(arm, &meshes, play, course.directions_rad);
-    let until_s = until_s(play, course, period_s);
+    let rings = rings_bent(arm, &meshes, play, course.directions_rad);
+    let until_s = until_s(play, course, rings);
     let (grid, at_m) = bent_tip(arm, meshes, &Play { until_s, ..*play }, course.refinements)?;
-    Ok(PlayedTip { grid, at_m, period_s })
+    Ok(PlayedTip { grid, at_m, rings })
 }
 
 /// End of the play in s: not before the input's.
-fn until_s(play: &Play<'_>, course: &TipCourse<'_>, period_s: Option<f64>) -> Option<f64> {
-    let after_s = course.periods * period_s.unwrap_or(0.0);
+fn until_s(play: &Play<'_>, course: &TipCourse<'_>, rings: Option<Ringing>) -> Option<f64> {
+    let after_s = course.periods * rings.map_or(0.0, |own| own.period_s);
     Some((course.end_s + after_s).max(course.least_s).max(play.input.grid().end_s()))
 }
 
@@ -90,8 +107,8 @@ fn linear(
     let law = DampingLaw::of(link, mesh)?;
     let Started { equations, start: [coordinates, rates], .. } =
         Started::of(link, (mesh, &law), (play, &driving), band_rad_s)?;
-    let period_s = period_s(&equations, play);
-    let grid = continued(play.input.grid(), until_s(play, course, period_s))?;
+    let rings = rings(&equations, play);
+    let grid = continued(play.input.grid(), until_s(play, course, rings))?;
     let stepper = Stepper::new(&equations, grid.step_s).starting_at(&coordinates, &rates);
     let tips: Vec<f64> = equations.coordinates.iter().map(|own| own.tip).collect();
     let factors = stepper.factors(&tips, &vec![0.0; tips.len()]);
@@ -101,14 +118,18 @@ fn linear(
     });
     match at_m.iter().position(|at_m| !at_m.is_finite()) {
         Some(sample) => Err(SimulationError::NotFinite { time_s: grid.time_s(sample) }),
-        None => Ok(PlayedTip { grid, at_m: vec![at_m], period_s }),
+        None => Ok(PlayedTip { grid, at_m: vec![at_m], rings }),
     }
 }
 
-/// Period in s of a linear link's lowest mode that rings.
-fn period_s(equations: &Equations, play: &Play<'_>) -> Option<f64> {
+/// The lowest mode of a linear link that rings.
+fn rings(equations: &Equations, play: &Play<'_>) -> Option<Ringing> {
     if play.feedback.is_empty() {
-        return equations.first_period_s();
+        let first = equations.coordinates.get(1)?;
+        let omega_rad_s = first.square.sqrt();
+        let ratio = 0.5 * first.rate_per_s / omega_rad_s;
+        let period_s = TAU / omega_rad_s / (1.0 - ratio * ratio).max(0.0).sqrt();
+        return Some(Ringing { period_s, ratio }).filter(|own| own.period_s.is_finite());
     }
     let count = equations.coordinates.len().min(MODES_OF_LOOP);
     let reaction = equations.reaction;
@@ -127,17 +148,19 @@ fn period_s(equations: &Equations, play: &Play<'_>) -> Option<f64> {
         }
     });
     let poles = matrix.schur().complex_eigenvalues();
-    let rates = poles.iter().filter(|pole| pole.im > RINGS * pole.re.hypot(pole.im));
-    rates.map(|pole| TAU / pole.im).reduce(f64::max)
+    let size = |pole: &Complex64| magnitude(*pole);
+    let rings = poles.iter().filter(|pole| pole.im > RINGS * size(pole));
+    let slowest = rings.min_by(|a, b| a.im.total_cmp(&b.im))?;
+    Some(Ringing { period_s: TAU / slowest.im, ratio: -slowest.re / size(slowest) })
 }
 
-/// Period in s of the lowest mode that rings about the pose at the end of the motion.
-fn period_of_bent_s(
+/// The lowest mode that rings about the pose at the end of the motion.
+fn rings_bent(
     arm: &Arm,
     meshes: &[Mesh],
     play: &Play<'_>,
     directions_rad: &[f64],
-) -> Option<f64> {
+) -> Option<Ringing> {
     let springs = match play.input {
         Input::Angles(joints) => Some(vec![f64::INFINITY; joints.len()]),
         Input::Torques(_) if play.feedback.is_empty() => None,
@@ -162,5 +185,6 @@ fn period_of_bent_s(
     };
     let most = squares.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
     let rings = squares.into_iter().filter(|square| *square > RINGS * most);
-    rings.reduce(f64::min).map(|square| TAU / square.sqrt())
+    let square = rings.reduce(f64::min)?;
+    Some(Ringing { period_s: TAU / square.sqrt(), ratio: 0.0 })
 }

@@ -9,11 +9,11 @@ use super::strays::Strays;
 use crate::beam::MeshPlan;
 use crate::inverse::{JointMotion, Solution};
 use crate::link::{Arm, ParameterError};
-use crate::motion::Ends;
+use crate::motion::{Ends, Shaper};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, extremes, largest};
 use crate::response::{
-    Feedback, HistoryError, HubReference, Input, Play, SimulationError, Start, TipCourse, Torque,
-    simulate, simulate_tip,
+    Feedback, HistoryError, HubReference, Input, Play, Ringing, SimulationError, Start, TipCourse,
+    Torque, simulate, simulate_tip,
 };
 use crate::result::{LimitedValue, Limits, PlayedMetrics};
 
@@ -127,6 +127,8 @@ pub struct PlantTip {
     pub error_m: Vec<Vec<f64>>,
     /// The values with a limit.
     pub limited: Vec<LimitedValue>,
+    /// The lowest mode that rings.
+    pub rings: Option<Ringing>,
 }
 
 impl Command {
@@ -282,8 +284,9 @@ impl Command {
             PlayedMetrics::of(&played).limited(limits)
         };
         let error_m = self.error_m(&tip.grid, &tip.at_m, delay_s);
-        let strays = Strays::of(&error_m, &tip.grid, (self.end_s, tip.period_s), band_m);
-        Ok(PlantTip { strays, error_m, limited })
+        let period_s = tip.rings.map(|own| own.period_s);
+        let strays = Strays::of(&error_m, &tip.grid, (self.end_s, period_s), band_m);
+        Ok(PlantTip { strays, error_m, limited, rings: tip.rings })
     }
 
     /// The same plant by the whole simulation of `simulate`, with all its modes, meshes and refinements, up to a period
@@ -305,7 +308,7 @@ impl Command {
         let at_m: Vec<Vec<f64>> = played.tip.into_iter().map(|axis| axis.displacement_m).collect();
         let error_m = self.error_m(&played.grid, &at_m, delay_s);
         let strays = Strays::of(&error_m, &played.grid, (self.end_s, period_s), band_m);
-        Ok(PlantTip { strays, error_m, limited: Vec::new() })
+        Ok(PlantTip { strays, error_m, limited: Vec::new(), rings: None })
     }
 
     /// The tip along each axis less the wanted one, delayed by a time in s.
@@ -360,6 +363,25 @@ impl Histories {
             efforts: joints.iter().map(effort).collect(),
             positions: joints.iter().map(position).collect(),
             wanted_m: solution.tip.iter().map(|axis| axis.displacement_m.clone()).collect(),
+        }
+    }
+}
+
+impl Histories {
+    /// All histories, shaped, with the rest until the shaper ends. The wanted tip is shaped, too.
+    #[must_use]
+    pub fn shaped(&self, shaper: &Shaper) -> Self {
+        let step_s = self.grid.step_s;
+        let of = |own: &Vec<f64>| shaper.shaped_samples(own, step_s);
+        let position = |[angle, rate]: &[Vec<f64>; 2]| {
+            [of(angle), if rate.is_empty() { Vec::new() } else { of(rate) }]
+        };
+        let wanted_m: Vec<Vec<f64>> = self.wanted_m.iter().map(of).collect();
+        Self {
+            grid: TimeGrid { len: wanted_m[0].len(), ..self.grid },
+            efforts: self.efforts.iter().map(of).collect(),
+            positions: self.positions.iter().map(position).collect(),
+            wanted_m,
         }
     }
 }

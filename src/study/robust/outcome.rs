@@ -220,7 +220,7 @@ impl<P> Study<'_, P> {
                 .into_par_iter()
                 .map(|plant| self.drawn(plant))
                 .collect::<Result<_, _>>()?;
-            for (values, PlantTip { strays, error_m, limited }, again) in drawn {
+            for (values, PlantTip { strays, error_m, limited, .. }, again) in drawn {
                 let [low, high] = &mut envelope_m;
                 for (k, e) in sizes(&error_m).iter().enumerate().take(low.len()) {
                     (low[k], high[k]) = if plants.len() == first {

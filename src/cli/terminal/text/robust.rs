@@ -8,6 +8,9 @@ use crate::robust::{
 };
 use crate::text::significant;
 
+/// Largest tip error of a command that helps, over that of the study.
+const HELPS: f64 = 0.95;
+
 /// The summary of a study; `kinds` has the kind of each plant, `written` names the files.
 pub(crate) fn robust_text(
     arm: &Arm,
@@ -198,12 +201,18 @@ fn limits_line(summary: &RobustSummary) -> String {
     wrapped(items, "")
 }
 
+/// Commands that leave a smaller tip error, the best first; without any, that of the others.
 fn help_line(summary: &RobustSummary) -> String {
-    let items = summary.help.iter().map(|Help { what, tip_error_m, rest_vibration_m, .. }| {
+    let mut help: Vec<&Help> = summary.help.iter().collect();
+    help.sort_by(|a, b| a.tip_error_m.total_cmp(&b.tip_error_m));
+    let helps = help.iter().filter(|own| own.tip_error_m < HELPS * summary.worst_m()).count();
+    let kept = if helps > 0 { &help[..helps] } else { &help[..] };
+    let items = kept.iter().map(|Help { what, tip_error_m, rest_vibration_m, .. }| {
         let [tip, rest] = [*tip_error_m, *rest_vibration_m].map(|m| percent(m, summary));
-        format!("{what}: tip error {tip}, rest vibration {rest} at the corners")
+        format!("{what}: tip error {tip}, rest {rest}")
     });
-    items.collect::<Vec<_>>().join(&format!("\n{:LABEL$}", ""))
+    let none = (helps == 0 && !help.is_empty()).then(|| "nothing of these:".to_owned());
+    none.into_iter().chain(items).collect::<Vec<_>>().join(&format!("\n{:LABEL$}", ""))
 }
 
 fn errors_line(summary: &RobustSummary) -> String {

@@ -1,20 +1,21 @@
 //! `robust`: a command on plants that differ from the model.
 
+mod help;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use rayon::prelude::*;
 
 use crate::csv::{Digits, InputFile};
 use crate::elastica::SecondOrder;
 use crate::inverse::{Analysis, Solution};
 use crate::link::Arm;
+use crate::motion::{Shaper, Shaping};
 use crate::response::SimulationError;
 use crate::result::Notice;
 use crate::robust::{
-    Command, CommandError, Distribution, Fitted, Help, Histories, Hold, How, Key, Measure, Plant,
-    PlantError, PlantKind, PlantTip, PlayErrors, RobustSummary, Robustness, Sample, Strays, Study,
-    Thinned,
+    Command, CommandError, Distribution, Fitted, Histories, Hold, How, Key, Plant, PlantError,
+    PlantKind, PlantTip, PlayErrors, RobustSummary, Robustness, Sample, Study, Thinned,
 };
 use crate::spec::{LinkDocument, Override, SpecError, Specification, Uncertain};
 use crate::store::{Fingerprint, RobustInputs, read_fitted, robust_json, write_robust};
@@ -64,6 +65,12 @@ enum Played {
     Inverse,
     /// That of rigid links.
     Rigid,
+    /// The same, shaped for the lowest mode that rings.
+    Zv,
+    Zvd,
+    Ei,
+    #[value(name = "2hump")]
+    TwoHump,
 }
 
 impl From<Distributed> for Distribution {
@@ -81,12 +88,21 @@ impl Played {
         match self {
             Self::Inverse => "inverse",
             Self::Rigid => "rigid",
+            shaped => shaped.shaping().map_or("", Shaping::name),
+        }
+    }
+
+    /// The shaper of a command of rigid links.
+    fn shaping(self) -> Option<Shaping> {
+        match self {
+            Self::Inverse | Self::Rigid => None,
+            Self::Zv => Some(Shaping::Zv),
+            Self::Zvd => Some(Shaping::Zvd),
+            Self::Ei => Some(Shaping::Ei),
+            Self::TwoHump => Some(Shaping::TwoHump),
         }
     }
 }
-
-/// Most corners on which other commands play.
-const CORNERS: usize = 16;
 
 /// A share of the travel, or a length in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,7 +147,8 @@ pub(crate) struct Robust {
     #[arg(long, value_name = "KP,KD", value_parser = gains, allow_negative_numbers = true)]
     feedback: Option<Gains>,
 
-    /// What the drives play: the answer of solve, or for comparison that of rigid links.
+    /// What the drives play: the answer of solve, or for comparison that of rigid links, as it is or shaped by zv, zvd,
+    /// ei or 2hump for the lowest mode that rings.
     #[arg(long = "command", value_name = "WHAT", default_value = "inverse")]
     played: Played,
 
@@ -287,7 +304,7 @@ impl Robust {
         let sample = Sample { runs: self.runs, seed: self.seed, distribution, fitted };
         let outcome = self.study(&problem, &plays, &plants, &sample)?;
         let errors = plays.errors(&outcome, &plants)?;
-        let help = self.help(&problem, &solved.solution, &outcome, &plants)?;
+        let help = self.help(&problem, &solved.solution, &outcome, &plants);
         let summary = RobustSummary::of(
             &outcome,
             &plays.quick,
@@ -364,21 +381,43 @@ impl Robust {
         }
     }
 
-    /// The command of this study, or with another hold.
+    /// The command of these histories, which end at `end_s`, with a hold.
     fn command(
         &self,
         problem: &Problem,
         solution: &Solution,
+        histories: (&Histories, f64),
         (hold, thinned): (Hold, Thinned),
     ) -> Result<Command, Failure> {
         let Specification { arm, analysis, .. } = &problem.specification;
         let gains = if hold == Hold::Feedback { self.gains(arm)? } else { Vec::new() };
         let order = analysis.second_order_of(&arm.links()[0].link);
         let is_large = order != SecondOrder::None;
-        let histories = Histories::of(solution, self.played == Played::Rigid);
-        let end_s = solution.grid.time_s(solution.moving.1);
-        Command::of(solution, (&histories, end_s), (hold, &gains), (thinned, is_large))
+        Command::of(solution, histories, (hold, &gains), (thinned, is_large))
             .map_err(|error| command_refused(&error))
+    }
+
+    /// What the drives play, and its end in s.
+    fn histories(
+        &self,
+        problem: &Problem,
+        solution: &Solution,
+        hold: Hold,
+    ) -> Result<(Histories, f64), Failure> {
+        let histories = Histories::of(solution, self.played != Played::Inverse);
+        let end_s = solution.grid.time_s(solution.moving.1);
+        let Some(shaping) = self.played.shaping() else { return Ok((histories, end_s)) };
+        let Specification { arm, meshes, .. } = &problem.specification;
+        let command = self.command(problem, solution, (&histories, end_s), (hold, Thinned::Yes))?;
+        let nominal = command.plant((arm, meshes), (0.0, 1.0, end_s), &[]);
+        let rings = nominal.map_err(|error| not_played(&error, arm))?.rings;
+        let shaper = rings
+            .and_then(|own| Shaper::new(shaping, own.omega_rad_s(), own.ratio))
+            .ok_or_else(|| {
+                let message = format!("--command = {shaping}, but no mode of the link rings");
+                Failure::new(Exit::NotSolvable, &message, None)
+            })?;
+        Ok((histories.shaped(&shaper), end_s + shaper.duration_s()))
     }
 
     /// Both commands of this study, less the common error of the exact inverse.
@@ -386,22 +425,22 @@ impl Robust {
         let Specification { arm, meshes, .. } = &problem.specification;
         self.gains(arm)?;
         let not_played = |error| not_played(&error, arm);
-        let quick = self.command(problem, solution, (self.hold(), Thinned::Yes))?;
-        let quick = quick.refined(arm, meshes).map_err(not_played)?;
-        let whole = self.command(problem, solution, (self.hold(), Thinned::No))?;
+        let (histories, end_s) = self.histories(problem, solution, self.hold())?;
+        let command =
+            |thinned| self.command(problem, solution, (&histories, end_s), (self.hold(), thinned));
+        let quick = command(Thinned::Yes)?.refined(arm, meshes).map_err(not_played)?;
+        let whole = command(Thinned::No)?;
         let band_m = self.band.metres(quick.travel_m);
         let nominal = quick.plant((arm, meshes), (0.0, band_m, quick.end_s), &[]);
         let PlantTip { strays, error_m, .. } = nominal.map_err(not_played)?;
         let least_s = quick.time_s(error_m[0].len() - 1);
-        let (quick, whole, common_m) = match self.played {
-            Played::Rigid => (quick, whole, 0.0),
-            Played::Inverse => {
-                let checked = whole.checked((arm, meshes), (0.0, band_m), strays.period_s);
-                let checked = checked.map_err(not_played)?;
-                (quick.less(error_m), whole.less(checked.error_m), checked.strays.tip_error_m)
-            }
-        };
-        Ok(Plays { quick, whole, band_m, least_s, common_m })
+        if self.played != Played::Inverse {
+            return Ok(Plays { quick, whole, band_m, least_s, common_m: 0.0 });
+        }
+        let checked = whole.checked((arm, meshes), (0.0, band_m), strays.period_s);
+        let checked = checked.map_err(not_played)?;
+        let (quick, whole) = (quick.less(error_m), whole.less(checked.error_m));
+        Ok(Plays { quick, whole, band_m, least_s, common_m: checked.strays.tip_error_m })
     }
 
     /// Plays all plants.
@@ -422,48 +461,6 @@ impl Robust {
         };
         let travel_m = plays.quick.travel_m;
         Study { keys: plants.keys, sample, travel_m, play, watch: &|| {} }.run()
-    }
-
-    /// What the drives would leave on the corners if they held something else.
-    fn help(
-        &self,
-        problem: &Problem,
-        solution: &Solution,
-        outcome: &Robustness,
-        plants: &Plants<'_>,
-    ) -> Result<Vec<Help>, Failure> {
-        let Specification { arm, meshes, .. } = &problem.specification;
-        let corners: Vec<&[Option<f64>]> = outcome.hardest(CORNERS);
-        let has_delay = plants.keys.iter().any(|key| key.how == How::Delay);
-        let holds = [Hold::Position, Hold::Effort].into_iter();
-        let others = holds.filter(|hold| *hold != self.hold() && !has_delay);
-        let mut help = Vec::new();
-        for hold in others {
-            let command = self.command(problem, solution, (hold, Thinned::Yes))?;
-            let Ok(command) = command.refined(arm, meshes) else { continue };
-            let nominal = command.plant((arm, meshes), (0.0, 1.0, command.end_s), &[]);
-            let Ok(nominal) = nominal else { continue };
-            let command = match self.played {
-                Played::Inverse => command.less(nominal.error_m),
-                Played::Rigid => command,
-            };
-            let of_corner = |values: &&[Option<f64>]| {
-                let own = plants.with(values).ok()?;
-                let how = (0.0, 1.0, command.end_s);
-                let played = command.plant((&own.arm, &own.meshes), how, &[]);
-                played.ok().map(|played| played.strays)
-            };
-            let strays: Option<Vec<Strays>> = corners.par_iter().map(of_corner).collect();
-            let Some(strays) = strays else { continue };
-            let worst = |measure| strays.iter().map(|own| own.size_m(measure)).fold(0.0, f64::max);
-            help.push(Help {
-                what: format!("--play {}", hold.name()),
-                tip_error_m: worst(Measure::TipError),
-                rest_vibration_m: worst(Measure::RestVibration),
-                drift_m: worst(Measure::Drift),
-            });
-        }
-        Ok(help)
     }
 
     /// Warnings of the study.

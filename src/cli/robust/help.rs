@@ -1,0 +1,166 @@
+//! What other commands would leave on the worst plants: another hold, a shaped motion, a longer one.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use crate::inverse::{Resources, Solution, invert_motion};
+use crate::motion::{Ends, Motion, MotionColumns, MotionScale, Shaper, Shaping, TipMotion};
+use crate::robust::{Command, Help, Histories, Hold, How, Measure, Robustness, Strays, Thinned};
+use crate::spec::Specification;
+use crate::text::significant;
+
+use super::{Plants, Played, Robust};
+use crate::cli::problem::Problem;
+use crate::cli::terminal::memory;
+
+/// Most plants on which other commands play.
+const CORNERS: usize = 16;
+
+/// Longest duration that is tried, over that of the motion, and step of the search.
+const LONGEST: f64 = 2.0;
+const LONGER: f64 = 0.01;
+
+/// Amplitude at the mode that rings, over that of the motion, below which a longer motion is quiet.
+const QUIET: f64 = 0.2;
+
+/// A study whose command is to be compared with others.
+struct Compared<'a> {
+    robust: &'a Robust,
+    problem: &'a Problem,
+    plants: &'a Plants<'a>,
+    corners: Vec<&'a [Option<f64>]>,
+}
+
+impl Robust {
+    /// What other commands would leave on the keys and corners with the largest tip errors. A command that cannot be made
+    /// or played is left out.
+    pub(super) fn help(
+        &self,
+        problem: &Problem,
+        solution: &Solution,
+        outcome: &Robustness,
+        plants: &Plants<'_>,
+    ) -> Vec<Help> {
+        // A delay has no meaning for another hold.
+        if plants.keys.iter().any(|key| key.how == How::Delay) {
+            return Vec::new();
+        }
+        let compared =
+            Compared { robust: self, problem, plants, corners: outcome.hardest(CORNERS) };
+        let holds = [Hold::Position, Hold::Effort].into_iter();
+        let holds = holds.filter(|hold| *hold != self.hold());
+        let mut help: Vec<Help> = holds
+            .filter_map(|hold| {
+                let (histories, end_s) = self.histories(problem, solution, hold).ok()?;
+                let what = format!("--play {}", hold.name());
+                compared.played(what, solution, (&histories, end_s), hold)
+            })
+            .collect();
+        if self.played == Played::Inverse {
+            let period_s = outcome.plants[0].strays.period_s;
+            let motions = period_s.map(|period_s| compared.motions(solution, TAU / period_s));
+            help.extend(motions.into_iter().flatten().filter_map(|(what, motion)| {
+                let solution = compared.inverted(&motion)?;
+                let histories = Histories::of(&solution, false);
+                let end_s = solution.grid.time_s(solution.moving.1);
+                compared.played(what, &solution, (&histories, end_s), self.hold())
+            }));
+        }
+        help
+    }
+}
+
+impl Compared<'_> {
+    /// Shaped and longer motions, for the mode that rings.
+    fn motions(&self, solution: &Solution, omega_rad_s: f64) -> Vec<(String, Motion)> {
+        let motion = &solution.motion;
+        let lasts_s = motion.grid().duration_s();
+        let shaped = Shaper::new(Shaping::Zv, omega_rad_s, 0.0).and_then(|shaper| {
+            // The path of an arm would leave its line.
+            let tip = motion.tip().filter(|tip| tip.ends() == Ends::AtRest)?;
+            let grid = solution.grid;
+            let displacement_m =
+                shaper.shaped_samples(&solution.tip[0].displacement_m, grid.step_s);
+            let time_s = (0..displacement_m.len()).map(|k| grid.time_s(k)).collect();
+            let columns = MotionColumns {
+                time_s,
+                displacement_m: Some(displacement_m),
+                acceleration_m_s2: None,
+                velocity_m_s: None,
+            };
+            let angles = tip.target(grid.time_s(0), grid.end_s()).start_angle_rad();
+            let own = TipMotion::new(columns).ok().filter(|_| angles.is_none())?;
+            let more = significant(shaper.duration_s(), 3);
+            Some((format!("trajectory --shape zv, {more} s longer"), Motion::Tip(own)))
+        });
+        let longer = quiet_factor(solution, omega_rad_s).and_then(|duration| {
+            let scale = MotionScale { distance: 1.0, duration };
+            let own = motion.scaled(scale).ok()?;
+            let lasts = significant(lasts_s * duration, 3);
+            let factor = significant(duration, 3);
+            Some((format!("--scale-duration {factor}, {lasts} s"), own))
+        });
+        shaped.into_iter().chain(longer).collect()
+    }
+
+    fn inverted(&self, motion: &Motion) -> Option<Solution> {
+        let Specification { arm, meshes, analysis, .. } = &self.problem.specification;
+        let resources = Resources { memory_bytes: memory::available(), ..Resources::default() };
+        invert_motion(arm, meshes, motion, analysis, &resources).ok()
+    }
+
+    /// What a command leaves on the corners.
+    fn played(
+        &self,
+        what: String,
+        solution: &Solution,
+        histories: (&Histories, f64),
+        hold: Hold,
+    ) -> Option<Help> {
+        let Specification { arm, meshes, .. } = &self.problem.specification;
+        let how = (hold, Thinned::Yes);
+        let command: Command = self.robust.command(self.problem, solution, histories, how).ok()?;
+        let command = command.refined(arm, meshes).ok()?;
+        let end_s = command.end_s;
+        let nominal = command.plant((arm, meshes), (0.0, 1.0, end_s), &[]).ok()?;
+        let is_exact = self.robust.played == Played::Inverse;
+        let command = if is_exact { command.less(nominal.error_m) } else { command };
+        let of_corner = |values: &&[Option<f64>]| {
+            let own = self.plants.with(values).ok()?;
+            let played = command.plant((&own.arm, &own.meshes), (0.0, 1.0, end_s), &[]);
+            played.ok().map(|played| played.strays)
+        };
+        let strays: Vec<Strays> = self.corners.par_iter().map(of_corner).collect::<Option<_>>()?;
+        let worst = |measure| strays.iter().map(|own| own.size_m(measure)).fold(0.0, f64::max);
+        Some(Help {
+            what,
+            tip_error_m: worst(Measure::TipError),
+            rest_vibration_m: worst(Measure::RestVibration),
+            drift_m: worst(Measure::Drift),
+        })
+    }
+}
+
+/// Factor on the duration at which the tip's acceleration hardly excites a frequency: the first minimum of |A(ω)| beyond
+/// the motion itself.
+fn quiet_factor(solution: &Solution, omega_rad_s: f64) -> Option<f64> {
+    let grid = solution.grid;
+    let amplitude = |factor: f64| {
+        let phase = |k: usize| factor * omega_rad_s * grid.step_s * k as f64;
+        let of_axis = |samples: &[f64]| {
+            let sum = |part: fn(f64) -> f64| {
+                samples.iter().enumerate().map(|(k, a)| a * part(phase(k))).sum::<f64>()
+            };
+            let [cos, sin] = [sum(libm::cos), sum(libm::sin)];
+            cos * cos + sin * sin
+        };
+        solution.tip.iter().map(|axis| of_axis(&axis.acceleration_m_s2)).sum::<f64>().sqrt()
+    };
+    let own = amplitude(1.0);
+    let steps = ((LONGEST - 1.0) / LONGER).round() as usize;
+    let tried: Vec<f64> = (0..=steps).map(|k| amplitude(1.0 + LONGER * k as f64)).collect();
+    let is_least = |k: &usize| tried[*k] <= tried[k - 1] && tried[*k] <= tried[k + 1];
+    let first = (1..steps).filter(|k| tried[*k] < QUIET * own).find(is_least)?;
+    Some(1.0 + LONGER * first as f64)
+}
