@@ -138,7 +138,8 @@ impl Link {
             return Err(ParameterError::new("payload.offset", offset_m, "m", "must be finite"));
         }
         parts.damping.check()?;
-        parts.drive.as_ref().map_or(Ok(()), Drive::check)?;
+        let slides = parts.carriage.is_some();
+        parts.drive.as_ref().map_or(Ok(()), |drive| drive.check(slides))?;
         parts.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
         link.check_movable()?;
         parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
@@ -616,6 +617,7 @@ mod tests {
                 joint_stiffness_n_m_rad: f64::INFINITY,
                 rotor_inertia_kg_m2: 1e-4,
                 gear_ratio: 80.0,
+                ..Drive::DIRECT
             })
             .gravity([0.0, -9.81], 0.5)
             .build()
