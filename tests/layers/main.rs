@@ -203,9 +203,9 @@ fn every_room_is_on_its_floor() {
 }
 
 #[test]
-fn the_sources_are_at_most_283_files() {
+fn the_sources_are_at_most_284_files() {
     let count = sources("src").len();
-    assert!(count <= 283, "{count} files");
+    assert!(count <= 284, "{count} files");
 }
 
 #[test]

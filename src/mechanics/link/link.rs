@@ -198,6 +198,25 @@ impl Link {
         self.parts.drive.as_ref()
     }
 
+    /// The link with further inertia and viscous friction of its joint.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for sums that are not finite.
+    pub fn with_joint(&self, inertia: f64, friction: f64) -> Result<Self, ParameterError> {
+        let mut parts = self.parts.clone();
+        match &mut parts.carriage {
+            Some(carriage) => {
+                carriage.mass_kg += inertia;
+                carriage.viscous_friction_n_s_m += friction;
+            }
+            None => {
+                parts.hub.inertia_kg_m2 += inertia;
+                parts.hub.viscous_friction_n_m_s_rad += friction;
+            }
+        }
+        Self::new(parts)
+    }
+
     /// Stiffness in N m/rad between rotor and hub; infinite for a rigid joint or without a drive.
     pub fn joint_stiffness_n_m_rad(&self) -> f64 {
         self.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad)

@@ -238,6 +238,22 @@ impl Drive {
         }
     }
 
+    /// Inertia n² J of the rotor at the joint: in kg m², at a carriage in kg.
+    pub fn rotor_at_joint(&self) -> f64 {
+        self.gear_ratio * self.gear_ratio * self.rotor_inertia_kg_m2
+    }
+
+    /// Torque at the joint per volt, n k/R; of a carriage in N/V. `None` without the motor's constants.
+    pub fn effort_per_volt(&self) -> Option<f64> {
+        Some(self.gear_ratio * self.torque_constant_n_m_a? / self.resistance_ohm?)
+    }
+
+    /// Viscous friction (n k)²/R of the motor's back voltage at the joint in N m s/rad, at a carriage in N s/m. `None`
+    /// without the motor's constants.
+    pub fn back_friction(&self) -> Option<f64> {
+        Some(self.gear_ratio * self.torque_constant_n_m_a? * self.effort_per_volt()?)
+    }
+
     /// True if friction or gear takes energy.
     pub fn has_losses(&self) -> bool {
         self.coulomb_friction_n_m > 0.0 || self.efficiency < 1.0
