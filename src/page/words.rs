@@ -298,7 +298,7 @@ fn of_joint(joint: &Joint, text: &str, before: &str) -> String {
 }
 
 /// Meanings of the kinds of warnings of a sweep's cases.
-const WARNINGS: [(&str, &str); 35] = [
+const WARNINGS: [(&str, &str); 36] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),
     (
@@ -330,6 +330,7 @@ const WARNINGS: [(&str, &str); 35] = [
     ("inexact_iteration", "The second-order terms are not as exact as the tolerance asks."),
     ("second_order_left_out", "Second-order terms, which are left out, would change the torque."),
     ("thick_link", "Shear and rotary inertia, which are left out, would change the answer."),
+    ("coarse_losses", "The losses of the drive change their sign too fast for the steps."),
     ("coarse_mesh", "Halved elements would change the answer by more than a little."),
     ("few_modes", "The modes that are left out would change the answer."),
     (

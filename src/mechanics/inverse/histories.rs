@@ -77,6 +77,11 @@ impl MotorHistories {
         joint_n_m.iter().zip(acceleration).map(|(t, a)| drive.motor_n_m(*t, *a)).collect()
     }
 
+    /// True if friction or gear take part of the torque.
+    pub fn has_losses(&self) -> bool {
+        self.lossless_n_m.is_some()
+    }
+
     /// Torque without losses, whose errors follow from the spectra.
     pub(super) fn linear_n_m(&self) -> &Vec<f64> {
         self.lossless_n_m.as_ref().unwrap_or(&self.torque_n_m)
