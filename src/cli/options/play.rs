@@ -331,15 +331,27 @@ impl PlayArgs {
     ) -> Result<(Vec<Torque>, Reading), Failure> {
         let InputFile { shown, bytes, .. } = file;
         let text = String::from_utf8_lossy(bytes);
+        let is_chosen = format.columns.iter().any(|own| own.is_of("voltage"));
+        if (self.column.is_some() || is_chosen) && arm.alone().is_none() {
+            let option = if is_chosen { "--columns voltage" } else { "--column" };
+            let message = format!(
+                "{option} names one column, but the voltages of an arm are voltage1, voltage2, …"
+            );
+            return Err(Failure::new(
+                Exit::Usage,
+                &message,
+                Some("rename the columns in the file"),
+            ));
+        }
         let mut all = Vec::new();
         for (number, own) in arm.links().iter().enumerate() {
             let number = arm.pick(String::new(), (number + 1).to_string());
-            let own_names = [format!("voltage{number}"), format!("motor{number}_voltage_v")];
-            let is_there = |name: &&String| text.contains(name.as_str());
-            let name = self.column.as_ref().or_else(|| own_names.iter().rev().find(is_there));
+            let of_motor = format!("motor{number}_voltage_v");
+            let of_motor = Some(of_motor).filter(|name| text.contains(name.as_str()));
+            let of_joint = arm.pick(None, Some(format!("voltage{number}")));
             let mut format = format.clone();
-            let is_chosen = format.columns.iter().any(|own| own.is_of("voltage"));
-            if let Some(name) = name.filter(|_| !is_chosen) {
+            let name = self.column.clone().or(of_motor.or(of_joint).filter(|_| !is_chosen));
+            if let Some(name) = name {
                 let choice = format!("voltage={name}").parse();
                 format.columns.push(choice.map_err(|error: String| {
                     Failure::new(Exit::Usage, &format!("--column: {error}"), None)

@@ -612,7 +612,7 @@ mod tests {
         let both = text + &MOTOR.replace("drive", "motor");
         assert_eq!(
             read_measurements("m.toml", &both, (1, false)).unwrap_err().to_string(),
-            "m.toml:9: motor must not be there beside [drive], which takes its place"
+            "m.toml:10: motor must not be there beside [drive], which takes its place"
         );
     }
 

@@ -272,13 +272,13 @@ pub(super) struct RawDrive {
     #[schemars(transform = at_least_zero, extend("default" = 0))]
     pub(super) coulomb_friction: Option<Friction>,
     /// Rate of the joint, on a carriage in m/s, over which friction and losses of the gear change their sign: they follow
-    /// tanh(rate/friction_rate); by default 1 % of the joint's peak rate.
+    /// the hyperbolic tangent of the rate over this one; by default 1 % of the joint's peak rate.
     #[schemars(transform = above_zero)]
     pub(super) friction_rate: Option<JointRate>,
     /// Torque constant of the motor; adds its current.
     #[schemars(transform = above_zero)]
     pub(super) torque_constant: Option<TorqueConstant>,
-    /// Resistance of the motor, with torque_constant; adds its voltage.
+    /// Resistance of the motor, beside its torque constant; adds its voltage.
     #[schemars(transform = above_zero)]
     pub(super) resistance: Option<Resistance>,
 }

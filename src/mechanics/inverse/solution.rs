@@ -373,7 +373,7 @@ impl Solution {
             if size == 0.0 { own } else { (own * linear + worst / drive.gear_ratio) / size }
         };
         let of_kind = |kind: fn(&QuantityErrors) -> Option<f64>| {
-            let [torque, rate] = [&errors.torque, &errors.hub_rate].map(|own| kind(own));
+            let [torque, rate] = [&errors.torque, &errors.hub_rate].map(&kind);
             kind(&own).map(|own| with(own, torque.unwrap_or(0.0), rate.unwrap_or(0.0)))
         };
         let beyond = [0, self.grid.len - 1].map(|k| {

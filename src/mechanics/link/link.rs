@@ -204,15 +204,12 @@ impl Link {
     /// [`ParameterError`] for sums that are not finite.
     pub fn with_joint(&self, inertia: f64, friction: f64) -> Result<Self, ParameterError> {
         let mut parts = self.parts.clone();
-        match &mut parts.carriage {
-            Some(carriage) => {
-                carriage.mass_kg += inertia;
-                carriage.viscous_friction_n_s_m += friction;
-            }
-            None => {
-                parts.hub.inertia_kg_m2 += inertia;
-                parts.hub.viscous_friction_n_m_s_rad += friction;
-            }
+        if let Some(carriage) = &mut parts.carriage {
+            carriage.mass_kg += inertia;
+            carriage.viscous_friction_n_s_m += friction;
+        } else {
+            parts.hub.inertia_kg_m2 += inertia;
+            parts.hub.viscous_friction_n_m_s_rad += friction;
         }
         Self::new(parts)
     }

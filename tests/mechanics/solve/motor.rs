@@ -171,9 +171,9 @@ fn losses_of_friction_and_gear_are_the_motors_work_less_the_joints() {
     let ideal = driven(Drive { coulomb_friction_n_m: 0.0, efficiency: 1.0, ..LOSSY });
     let ideal = &ideal.hub().motor.as_ref().unwrap().torque_n_m;
     let (mut phases, mut heat_j, mut work_j) = ([0, 0], 0.0, 0.0);
-    for k in 0..solution.grid.len {
+    for (k, own) in ideal.iter().enumerate() {
         let (torque, rate) = (hub.torque_n_m[k], hub.rate_rad_s[k]);
-        let (motor_n_m, own) = (motor.torque_n_m[k], ideal[k]);
+        let motor_n_m = motor.torque_n_m[k];
         // The ideal motor turns the same joint and the same rotor.
         work_j += step_s * (motor_n_m - own) * motor.rate_rad_s[k];
         if rate.abs() < 0.02 {
