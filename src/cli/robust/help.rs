@@ -1,4 +1,4 @@
-//! What other commands would leave on the worst plants: another hold, a shaped motion, a longer one.
+//! Other commands on the worst plants, for comparison: another hold, a shaped motion, a longer one.
 
 use std::f64::consts::TAU;
 
@@ -33,7 +33,7 @@ struct Compared<'a> {
 }
 
 impl Robust {
-    /// What other commands would leave on the keys and corners with the largest tip errors. A command that cannot be made
+    /// Plays other commands on the keys and corners with the largest tip errors. A command that cannot be made
     /// or played is left out.
     pub(super) fn help(
         &self,
@@ -110,7 +110,7 @@ impl Compared<'_> {
         invert_motion(arm, meshes, motion, analysis, &resources).ok()
     }
 
-    /// What a command leaves on the corners.
+    /// Plays a command on the corners.
     fn played(
         &self,
         what: String,

@@ -34,13 +34,14 @@ use crate::cli::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, co
 const EXAMPLE: &str = "\
 Example:
   flexlink robust link.toml motion.csv \\
-      --uncertain 'segments.*.EI*=±5%' --uncertain 'payload.mass=±20 g'
+      --uncertain 'segments.*.EI*=±5%' \\
+      --uncertain 'payload.mass=±20 g'
   flexlink robust link.toml motion.csv --play position \\
-      --uncertain 'segments.*.EI*=±10%' --uncertain delay=0..2ms
+      --uncertain 'segments.*.EI*=±10%' --allow '1 mm'
   flexlink robust arm.toml path.csv --feedback 50,1 \\
       --uncertain 'links.*.segments.*.EI*=±10%' --runs 200";
 
-/// What the drives hold.
+/// Quantity that the drives hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Holds {
     /// The positions of the joints.
@@ -59,7 +60,7 @@ enum Distributed {
     Normal,
 }
 
-/// What the drives play.
+/// Command of the drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Played {
     /// The answer of solve.
@@ -139,7 +140,7 @@ pub(crate) struct Robust {
     #[arg(long, value_name = "KEY=INTERVAL")]
     uncertain: Vec<Uncertain>,
 
-    /// What the drives hold [default: effort, with --feedback feedback].
+    /// Quantity that the drives hold [default: effort, with --feedback feedback].
     #[arg(long = "play", value_name = "WHAT")]
     holds: Option<Holds>,
 
@@ -148,7 +149,7 @@ pub(crate) struct Robust {
     #[arg(long, value_name = "KP,KD", value_parser = gains, allow_negative_numbers = true)]
     feedback: Option<Gains>,
 
-    /// What the drives play: the answer of solve, or for comparison that of rigid links, as it is or shaped by zv, zvd,
+    /// Command of the drives: the answer of solve, or for comparison that of rigid links, as it is or shaped by zv, zvd,
     /// ei or 2hump for the lowest mode that rings.
     #[arg(long = "command", value_name = "WHAT", default_value = "inverse")]
     played: Played,
@@ -396,7 +397,7 @@ impl Robust {
             .map_err(|error| command_refused(&error))
     }
 
-    /// What the drives play, and its end in s.
+    /// Histories of the command, and its end in s.
     fn histories(
         &self,
         problem: &Problem,

@@ -13,7 +13,7 @@ use crate::numeric::{Dimension, Unit, split_number};
 use crate::robust::{How, Key};
 use crate::text::{excerpt, visible};
 
-/// The key of a delay, which is none of the link file.
+/// Key of the delay, which the link file does not have.
 const DELAY: &str = "delay";
 
 const HINT: &str =
@@ -156,7 +156,7 @@ impl LinkDocument {
     /// The intervals of the table `[uncertainty]`, in the order of the file; errors call the file `name`.
     ///
     /// # Errors
-    /// [`SpecError`] of the first that is none.
+    /// [`SpecError`] of the first wrong one.
     pub fn uncertainties(&self, name: &str) -> Result<Vec<Uncertain>, SpecError> {
         let Some(Node { kind: Kind::Table(entries), .. }) = self.tree.get(TABLE) else {
             return Ok(Vec::new());

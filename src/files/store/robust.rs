@@ -141,7 +141,7 @@ fn kind(kind: PlantKind) -> &'static str {
     }
 }
 
-/// What a study reads of the record of a fit.
+/// Parts of the record of a fit that a study reads.
 #[derive(Deserialize)]
 struct FitRecord {
     command: String,

@@ -1,4 +1,4 @@
-//! What the drives play: efforts or positions from a solution, on fewer samples; the tip of a plant under them.
+//! Commands of the drives: efforts or positions from a solution, on fewer samples; the tip of a plant under them.
 
 use std::num::NonZeroUsize;
 
@@ -37,7 +37,7 @@ const TOLERANCE: f64 = 1e-5;
 /// Share of a command's range within which it counts as at rest, for its duration.
 const AT_REST: f64 = 0.02;
 
-/// What the drives hold.
+/// Quantity that the drives hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Hold {
@@ -96,7 +96,7 @@ pub enum Thinned {
     Yes,
 }
 
-/// What the drives play on every plant, and the motion that the tip should make.
+/// A command that the drives play on every plant, and the motion that the tip should make.
 #[derive(Debug, Clone)]
 pub struct Command {
     hold: Hold,
@@ -180,7 +180,7 @@ impl Command {
         })
     }
 
-    /// What the drives hold.
+    /// Quantity that the drives hold.
     pub fn hold(&self) -> Hold {
         self.hold
     }

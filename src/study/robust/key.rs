@@ -81,7 +81,7 @@ impl Fitted {
                 let rest = row[j] - (0..j).map(known).sum::<f64>();
                 own[j] = if j < i { rest / lower[j][j] } else { rest.sqrt() };
             }
-            // Not positive also where the root of a negative number is none.
+            // The root of a negative number is NaN, and not positive either.
             lower.push(Some(own).filter(|own| own[i] > 0.0)?);
         }
         Some(lower)

@@ -1,4 +1,4 @@
-//! What a command leaves on plants that differ from the model: the error of the tip over intervals of the link's values.
+//! Commands on plants that differ from the model: the error of the tip over intervals of the link's values.
 
 mod command;
 mod key;

@@ -66,7 +66,7 @@ pub struct Inside {
     pub size_m: f64,
 }
 
-/// What one key costs alone.
+/// Errors that one key makes alone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeyOutcome {
     /// The key.
@@ -104,7 +104,7 @@ pub struct Quantiles {
 pub struct Robustness {
     /// All plants: the nominal one, those of each key, corners, the sample, the search.
     pub plants: Vec<Plant>,
-    /// What each key costs alone.
+    /// Errors that each key makes alone.
     pub keys: Vec<KeyOutcome>,
     /// Numbers of the plants with the largest tip error, rest vibration and drift.
     pub worst: [usize; 3],
@@ -299,7 +299,7 @@ impl<P> Study<'_, P> {
         }
     }
 
-    /// What a key costs alone, from its points; a worst value inside the interval is searched for.
+    /// Finds the errors that a key makes alone from its points, and searches for a worst value inside its interval.
     fn of_key<E>(
         &self,
         number: usize,

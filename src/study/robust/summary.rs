@@ -37,7 +37,7 @@ pub struct PlayErrors {
     pub play_m: f64,
 }
 
-/// What another command would leave on the corners.
+/// Errors of another command on the corners.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Help {
     /// The command in words.
@@ -53,9 +53,9 @@ pub struct Help {
 /// Numbers of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RobustSummary {
-    /// What the drives hold.
+    /// Quantity that the drives hold.
     pub play: Hold,
-    /// What they play.
+    /// Its name.
     pub command: String,
     /// Gains of each joint's feedback.
     pub feedback: Vec<(f64, f64)>,
@@ -87,7 +87,7 @@ pub struct RobustSummary {
     pub drawn_again: usize,
     /// Errors of the plays.
     pub errors: PlayErrors,
-    /// What other commands would leave.
+    /// Errors of other commands.
     pub help: Vec<Help>,
 }
 
