@@ -58,8 +58,7 @@ impl Correction {
         let hertz = |k: usize| k as f64 / (pair.len() as f64 * own.step_s);
         let (mut sums, mut moved) = ([0.0; 4], Vec::new());
         for axis in 0..recorded.error_m.len() {
-            let error_m = recorded.tapered(axis);
-            let last_m = recorded.rest_m[axis];
+            let (error_m, last_m) = recorded.tapered(axis);
             // Rests around the error, and then all of it backwards: the period has no jump.
             let mut samples = vec![0.0; rest];
             samples.extend(error_m);

@@ -10,7 +10,8 @@ use crate::result::{ChannelRecording, SimulatedChannel};
 const AT_REST: usize = 8;
 
 /// Largest range of the measured tip before the motion, and way in the time of the motion after it, over the travel.
-const RESTS: f64 = 0.1;
+const RESTS_BEFORE: f64 = 0.1;
+const RESTS_AFTER: f64 = 0.2;
 
 /// Time after the motion, over that of the motion, that a recording must have.
 const LEAST_AFTER: f64 = 0.1;
@@ -37,8 +38,8 @@ pub struct Recorded {
     pub error_m: Vec<Vec<f64>>,
     /// Measured less wanted place at rest before the motion, along each axis in m. The error has none of it.
     pub offset_m: Vec<f64>,
-    /// Mean error along each axis at rest after the motion in m.
-    pub rest_m: Vec<f64>,
+    /// Straight lines through the error along each axis at rest after the motion: the end in m, and the slope in m per sample.
+    rest_m: Vec<[f64; 2]>,
     /// Number of the first sample after the motion.
     after: usize,
     /// Number of the first sample of the motion.
@@ -143,8 +144,10 @@ impl Recorded {
         let before = time_s.partition_point(|time_s| *time_s < motion_s[0]);
         let after = time_s.partition_point(|time_s| *time_s <= motion_s[1]).min(own.len - 1);
         let rest = |error_m: &Vec<f64>| {
-            let rest = &error_m[after + (own.len - after) / 2..];
-            rest.iter().sum::<f64>() / rest.len() as f64
+            let from = (after + (own.len - after) / 2).min(own.len - 2);
+            let places: Vec<f64> = (from..own.len).map(|k| k as f64).collect();
+            let (mean, slope) = line(&places, &error_m[from..]);
+            [mean + 0.5 * slope * (own.len - 1 - from) as f64, slope]
         };
         let rest_m = error_m.iter().map(rest).collect();
         Self { grid: own, error_m, offset_m, rest_m, after, before }
@@ -158,17 +161,19 @@ impl Recorded {
         [(sum / self.grid.len as f64).sqrt(), most.sqrt()]
     }
 
-    /// The error along an axis with smooth ends: it rises from 0 and goes to its mean at rest.
-    pub(super) fn tapered(&self, axis: usize) -> Vec<f64> {
-        let (len, rest_m) = (self.grid.len, self.rest_m[axis]);
+    /// The error along an axis with smooth ends, and its last value in m: it rises from 0 and goes to its line at rest,
+    /// which has no vibration.
+    pub(super) fn tapered(&self, axis: usize) -> (Vec<f64>, f64) {
+        let (len, [last_m, slope_m]) = (self.grid.len, self.rest_m[axis]);
         let rising = (self.before / 2).max(1) as f64;
         let falling = ((len - self.after) / 4).max(1) as f64;
         let of = |(k, error_m): (usize, &f64)| {
             let begin = super::correction::smooth(k as f64 / rising);
             let end = super::correction::smooth((len - 1 - k) as f64 / falling);
-            begin * (rest_m + end * (error_m - rest_m))
+            let line_m = last_m - slope_m * (len - 1 - k) as f64;
+            begin * (line_m + end * (error_m - line_m))
         };
-        self.error_m[axis].iter().enumerate().map(of).collect()
+        (self.error_m[axis].iter().enumerate().map(of).collect(), last_m)
     }
 }
 
@@ -201,7 +206,7 @@ impl Rows {
         let offset = |(axis, at_m): (usize, &Vec<f64>)| {
             let [low, high] = extremes(&at_m[..rows]);
             let share = (high - low) / travel_m;
-            if share > RESTS {
+            if share > RESTS_BEFORE {
                 return Err(LearnError::NoRest { is_before: true, share });
             }
             let own = (0..rows).map(|k| at_m[k] - wanted.at_m(axis, self.time_s[k]));
@@ -214,16 +219,26 @@ impl Rows {
     fn check_after(&self, travel_m: f64, (end_s, lasts_s): (f64, f64)) -> Result<(), LearnError> {
         let first = self.time_s.partition_point(|time_s| *time_s <= end_s);
         let from = first + (self.time_s.len() - first) / 2;
-        let time_s = &self.time_s[from..];
-        let mean_s = time_s.iter().sum::<f64>() / time_s.len() as f64;
-        let square: f64 = time_s.iter().map(|t| (t - mean_s).powi(2)).sum();
         let way = |at_m: &Vec<f64>| {
-            let sum: f64 = time_s.iter().zip(&at_m[from..]).map(|(t, x)| (t - mean_s) * x).sum();
-            (sum / square * lasts_s / travel_m).abs()
+            let (_, slope) = line(&self.time_s[from..], &at_m[from..]);
+            (slope * lasts_s / travel_m).abs()
         };
         let share = self.at_m.iter().map(way).fold(0.0, f64::max);
-        if share > RESTS { Err(LearnError::NoRest { is_before: false, share }) } else { Ok(()) }
+        if share > RESTS_AFTER {
+            Err(LearnError::NoRest { is_before: false, share })
+        } else {
+            Ok(())
+        }
     }
+}
+
+/// Mean and slope of the straight line of least squares.
+fn line(x: &[f64], y: &[f64]) -> (f64, f64) {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (mean_x, mean_y) = (mean(x), mean(y));
+    let square: f64 = x.iter().map(|x| (x - mean_x).powi(2)).sum();
+    let product: f64 = x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    (mean_y, product / square)
 }
 
 /// Rows of a recording beside the wanted motion, both from the start.
