@@ -45,6 +45,8 @@ fn any_drive(u: &mut Unstructured) -> Result<Option<Drive>> {
         joint_stiffness_n_m_rad: if stiffness > 0.0 { stiffness } else { f64::INFINITY },
         rotor_inertia_kg_m2: any_or_none(u, 30)?,
         gear_ratio: any_size(u, 10)?,
+        coulomb_friction_n_m: any_or_none(u, 30)?,
+        ..Drive::DIRECT
     }))
 }
 

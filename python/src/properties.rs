@@ -121,6 +121,10 @@ names! {
     One motor_torque,
     /// Rate of the motor in rad/s; None for a link without a drive.
     One motor_rate,
+    /// Current of the motor in A; None without drive.torque_constant.
+    One motor_current,
+    /// Voltage of the motor in V; None without drive.torque_constant and drive.resistance.
+    One motor_voltage,
     /// Energy in J of motion, strain and weight.
     Several energy,
     /// Work in J that the torques have done.

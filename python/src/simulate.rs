@@ -183,6 +183,7 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
         start_angle_rad,
         is_large,
         is_periodic,
+        is_under_voltage: false,
     })
 }
 

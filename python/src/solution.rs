@@ -176,6 +176,14 @@ impl Properties for Solution {
         ("tip", Stored(|own| slices(own.inverse().tip.iter().map(|axis| &axis.displacement_m)))),
         ("motor_torque", Stored(|own| slices(own.motors().map(|motor| &motor.torque_n_m)))),
         ("motor_rate", Stored(|own| slices(own.motors().map(|motor| &motor.rate_rad_s)))),
+        (
+            "motor_current",
+            Stored(|own| slices(own.motors().filter_map(|own| own.current_a.as_ref()))),
+        ),
+        (
+            "motor_voltage",
+            Stored(|own| slices(own.motors().filter_map(|own| own.voltage_v.as_ref()))),
+        ),
         ("nodes", Stored(|own| vec![own.inverse().links[0].mesh().nodes_m()])),
         ("errors", Entry),
         ("results", Entry),

@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use clap::Args;
 
 use crate::csv::{InputFile, Reading};
-use crate::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, Specimen, fit};
+use crate::fit::{
+    FitOutcome, Free, LinkFitError, Measurements, Replaced, Specimen, UnfitDrive, fit,
+};
 use crate::link::{Damping, Joint};
 use crate::measured::{MeasuredSet, read_measured};
 use crate::page::{FitReport, fit_page};
@@ -49,7 +51,7 @@ measured.toml holds any of
   file = \"frf.csv\"         # frequency, real, imaginary
   transfer = \"hub_angle\"   # hub_rate, tip_deflection,
                            # tip_acceleration, root_strain
-  per = \"torque\"           # or \"force\", or \"volt\" with [motor]
+  per = \"torque\"           # or \"force\", or \"volt\" with [drive]
   gain = \"free\"            # or \"known\", the default: SI
   uncertainty = 0.05       # of each part, relative
   [[record]]               # histories from rest
@@ -62,7 +64,7 @@ measured.toml holds any of
   gain = \"free\"            # or \"sign\", or \"known\"
   offset = \"free\"          # or \"known\", the default: 0
   uncertainty = 0.001      # in the column's unit
-  [motor]                  # at the joint
+  [drive]                  # at the joint; or in the link file
   torque_constant = 0.042  # N m/A
   resistance = 8.4         # ohm
   gear_ratio = 70          # default 1
@@ -332,10 +334,15 @@ impl Problem {
                     Some("check its unit, mode, hub or pose, and the units of the link file")
                 }
                 LinkFitError::Coarse { .. } => Some("measure lower modes"),
-                LinkFitError::Drive => Some(
-                    "leave [drive] out and add the rotor's N² J to hub.inertia; a joint's stiffness is \
-                     fitted to frequencies alone",
+                LinkFitError::Drive(UnfitDrive::Elastic) => Some(
+                    "a joint's stiffness is fitted to frequencies alone; leave it out for responses and records",
                 ),
+                LinkFitError::Drive(UnfitDrive::Rotor) => {
+                    Some("leave drive.rotor_inertia out, or measure per volt")
+                }
+                LinkFitError::Drive(UnfitDrive::Losses) => {
+                    Some("fit losses to a [[record]], and the [[response]] without them")
+                }
                 LinkFitError::NoDamping(_) => Some("[damping] with ratio = 0.02 is a start"),
             };
             Failure::new(Exit::InputRefused, &error, hint)

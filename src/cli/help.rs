@@ -6,7 +6,7 @@ use clap::{Args, Command};
 use crate::cli::terminal::{Failure, console};
 
 /// Pages of the book by topic, with the content of each.
-const PAGES: [(&str, &str, &str); 19] = [
+const PAGES: [(&str, &str, &str); 20] = [
     ("index", "Contents of the book", include_str!("../../docs/index.md")),
     ("install", "Install and test", include_str!("../../docs/install.md")),
     ("first_uses", "Six first uses", include_str!("../../docs/first_uses.md")),
@@ -25,6 +25,7 @@ const PAGES: [(&str, &str, &str); 19] = [
     ("carriage", "A link on a carriage", include_str!("../../docs/carriage.md")),
     ("arms", "Arms of several links", include_str!("../../docs/arms.md")),
     ("real_rig", "Measured rigs, and `fit`", include_str!("../../docs/real_rig.md")),
+    ("uncertainty", "It survives my 5 %", include_str!("../../docs/robust.md")),
     ("many", "Many cases, many machines", include_str!("../../docs/many.md")),
     ("python", "The Python package", include_str!("../../docs/python.md")),
     ("golden", "Golden files", include_str!("../../docs/golden.md")),
@@ -33,7 +34,7 @@ const PAGES: [(&str, &str, &str); 19] = [
 ];
 
 /// All commands but `help`, as completions of shells list them.
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "solve",
     "simulate",
     "verify",
@@ -41,6 +42,7 @@ const COMMANDS: [&str; 14] = [
     "frf",
     "fit",
     "sweep",
+    "robust",
     "trajectory",
     "compare",
     "report",

@@ -38,6 +38,8 @@ Example:
       --save-state state.json
   flexlink simulate link.toml second.csv \\
       --state state.json
+  flexlink simulate geared.toml out/motor.csv \\
+      --input voltage --target out/tip.csv
   flexlink simulate mast.toml out/force.csv \\
       --feedback 5e4,2e3 --reference out/carriage.csv
   flexlink simulate arm.toml out/torques.csv \\
@@ -54,6 +56,10 @@ One of the files may be `-`, standard input.";
 /// Each mode is integrated exactly in time, so the answer does not depend on the Fourier transform of solve.
 /// A hysteretic link has no equation in time: its ratio serves as the viscous ratio of every mode. The
 /// torque acts at the hub, on the whole link: [drive] and analysis.modes are not used.
+///
+/// With --input voltage TORQUE has the motor's voltage, as motor.csv of solve. The motor of [drive], with torque_constant
+/// and resistance, turns its rotor and the link; friction and losses of its gear act on a linear link. torque.csv is then the
+/// torque at the hub, behind rotor and gear.
 ///
 /// With gravity, or with analysis.second_order "first" or "full", the link is played with all terms of large
 /// angles. With gravity it starts from its shape at rest in the direction start_angle, and the last torque
@@ -120,6 +126,8 @@ fn shown(file: &InputFile) -> String {
 struct Inputs {
     file: InputFile,
     specification: Specification,
+    /// The link or the arm that moves: under voltages with the rotors of its motors.
+    moved: Arm,
     playing: Playing,
 }
 
@@ -156,8 +164,18 @@ impl Simulate {
         let specification = self.nodes.meshed(specification)?;
         let order = specification.analysis.second_order_of(specification.link());
         let is_large = order != SecondOrder::None;
+        let moved = if self.play.is_under_voltage() {
+            specification.arm.under_voltages().map_err(|error| {
+                let message =
+                    format!("{}{}", shown(&file), specification.arm.worded(&error.to_string()));
+                let hint = "[drive] has torque_constant in N m/A and resistance in ohm";
+                Failure::new(Exit::InputRefused, &message, Some(hint))
+            })?
+        } else {
+            specification.arm.clone()
+        };
         let playing = self.play.load(&specification.arm, is_large, &self.read)?;
-        Ok(Inputs { file, specification, playing })
+        Ok(Inputs { file, specification, moved, playing })
     }
 
     /// Plays the input until the time of the command line, or else to the later end of input and target. Computes the
@@ -168,7 +186,8 @@ impl Simulate {
         play: &Play<'_>,
         stages: &StageBar,
     ) -> Result<Simulated, Failure> {
-        let Inputs { specification: Specification { arm, meshes, .. }, playing, .. } = inputs;
+        let Inputs { specification: Specification { meshes, .. }, moved: arm, playing, .. } =
+            inputs;
         let refused = |error| self.refused(&error, inputs);
         let played = simulate(arm, meshes, play, &|progress| stages.played(progress));
         let played = played.map_err(refused)?;
@@ -226,6 +245,7 @@ impl Simulate {
             )
             | SimulationError::Damping(_)
             | SimulationError::MasslessHub
+            | SimulationError::Losses(_)
             | SimulationError::NotDerived { .. }
             | SimulationError::NotConverged { .. }
             | SimulationError::NoRest

@@ -83,17 +83,19 @@ impl MeasuredError {
 /// [`MeasuredError`] names the file, and the faulty line.
 pub fn read_measured(path: &Path, of: &Specimen) -> Result<MeasuredSet, MeasuredError> {
     let file = InputFile::read_toml(path)?;
-    let MeasuredFile { mut values, responses, records, decays, motor, has_pinion } =
-        read_measurements(&file.shown, file.text()?, of.links())?;
+    let of_link = of.drive().and_then(Motor::of);
+    let MeasuredFile { mut values, responses, records, decays, motor, table, has_pinion } =
+        read_measurements(&file.shown, file.text()?, (of.links(), of_link.is_some()))?;
     let slides = of.slides();
     if motor.is_some() && has_pinion != slides {
         let why = if slides {
-            "motor.pinion_radius is missing: the carriage moves by it for a turn of 1 rad of its pinion"
+            "is missing: the carriage moves by it for a turn of 1 rad of its pinion"
         } else {
-            "motor.pinion_radius is for a carriage, but this is a hub"
+            "is for a carriage, but this is a hub"
         };
-        return Err(MeasuredError::refused(&file, &why));
+        return Err(MeasuredError::refused(&file, &format!("{table}.pinion_radius {why}")));
     }
+    let motor = motor.or(of_link);
     let check = |kind: &str, words: &[(&'static str, Option<bool>)]| {
         let wrong = words.iter().find(|(_, of)| of.is_some_and(|of| of != slides));
         let [joint, known] = if slides {
@@ -249,13 +251,14 @@ fn record_of(
     });
     let input = match (of.input, motor) {
         (RecordedInput::Voltage, Some(motor)) => RecordInput::Voltage(read.input, of.hold, motor),
-        (RecordedInput::Voltage, None) => return Err(refused(&"a voltage needs [motor]")),
+        (RecordedInput::Voltage, None) => return Err(refused(&"a voltage needs [drive]")),
         (RecordedInput::HubAngle | RecordedInput::Carriage, _) => RecordInput::HubAngle(read.input),
         (RecordedInput::Torque | RecordedInput::Force, _) => {
             RecordInput::Torque(read.input, of.hold)
         }
     };
-    let record = Record::new(of.file, read.step_s, input, channels.collect(), of.is_delay_free);
+    let record =
+        Record::new(of.file, read.grid.step_s, input, channels.collect(), of.is_delay_free);
     let record = record.map_err(|error| refused(&error).hinting(error.hint()))?;
     Ok((record, read.reading))
 }

@@ -10,7 +10,7 @@ use super::tip::{at_times, motion_formula};
 use super::view::{COLOURS, View, peak_words};
 use super::words::{cited, formula};
 use crate::elastica::SecondOrder;
-use crate::link::Joint;
+use crate::link::{Drive, Joint};
 use crate::numeric::largest;
 use crate::result::{JointQuantity, StoredJoint, StoredNodes};
 use crate::text::significant;
@@ -215,7 +215,7 @@ pub(super) const MOTOR_TORQUE: Limited = Limited {
 };
 
 /// Rate, acceleration and power, of the joint and of its motor: drawn if they have a limit.
-pub(super) const LIMITED: [Limited; 5] = [
+pub(super) const LIMITED: [Limited; 7] = [
     Limited {
         id: "hub-rate",
         title: "Rate of",
@@ -251,6 +251,20 @@ pub(super) const LIMITED: [Limited; 5] = [
         of: |joint| joint.motor.as_ref().map(|motor| power_w(&motor.torque_n_m, &motor.rate_rad_s)),
         formula: formula::MOTOR_POWER,
     },
+    Limited {
+        id: "motor-current",
+        title: "Current of the motor of",
+        quantity: ("current", "motor_current"),
+        of: |joint| Some(Cow::Borrowed(joint.motor.as_ref()?.current_a.as_ref()?)),
+        formula: formula::MOTOR_CURRENT,
+    },
+    Limited {
+        id: "motor-voltage",
+        title: "Voltage of the motor of",
+        quantity: ("voltage", "motor_voltage"),
+        of: |joint| Some(Cow::Borrowed(joint.motor.as_ref()?.voltage_v.as_ref()?)),
+        formula: formula::MOTOR_VOLTAGE,
+    },
 ];
 
 fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Cow<'static, [f64]> {
@@ -274,7 +288,9 @@ impl Limited {
         let title = format!("{} {}", self.title, view.joint_words(joint));
         let id = view.id(self.id, joint);
         let figure = figure(view, joint, id, (&title, caption), self.quantity, curves);
-        Some(figure.by(self.formula))
+        let drive = view.first().links.get(joint).and_then(|own| own.link.drive());
+        let is_lossy = self.id == MOTOR_TORQUE.id && drive.is_some_and(Drive::has_losses);
+        Some(figure.by(if is_lossy { formula::LOSSY_MOTOR } else { self.formula }))
     }
 }
 
@@ -406,6 +422,8 @@ mod tests {
         let motor = StoredMotor {
             torque_n_m: run.joints[0].torque_n_m.clone(),
             rate_rad_s: run.joints[0].rate_rad_s.clone(),
+            current_a: None,
+            voltage_v: None,
         };
         run.joints[0].motor = Some(motor);
         run.joints[0].limits = Limits::new([("hub_rate", 2.0), ("deflection", 0.2)]).unwrap();
@@ -435,6 +453,8 @@ mod tests {
         run.joints[0].motor = Some(StoredMotor {
             torque_n_m: run.joints[0].torque_n_m.iter().map(|torque| 0.5 * torque).collect(),
             rate_rad_s: run.joints[0].rate_rad_s.iter().map(|rate| 2.0 * rate).collect(),
+            current_a: Some(run.joints[0].torque_n_m.clone()),
+            voltage_v: Some(run.joints[0].rate_rad_s.clone()),
         });
         let drawn = |run: &StoredRun| Figures::of(&StoredResult::Runs(vec![run.clone()])).drawn;
         assert!(!drawn(&run).iter().any(|figure| figure.id == "hub-power"), "there is no limit");
@@ -456,6 +476,8 @@ mod tests {
             ("motor_torque", half(&motor.torque_n_m)),
             ("motor_rate", half(&motor.rate_rad_s)),
             ("motor_power", half(&power)),
+            ("motor_current", half(motor.current_a.as_ref().unwrap())),
+            ("motor_voltage", half(motor.voltage_v.as_ref().unwrap())),
         ]);
         run.joints[0].limits = limits.unwrap();
         let figures = drawn(&run);
@@ -466,6 +488,8 @@ mod tests {
             ("hub-power", "flexible link", "power"),
             ("motor-rate", "motor", "motor_rate"),
             ("motor-power", "motor", "motor_power"),
+            ("motor-current", "motor", "motor_current"),
+            ("motor-voltage", "motor", "motor_voltage"),
             ("tip-deflection", "flexible link", "deflection"),
             ("hub-moment", "flexible link", "bending_moment"),
         ] {

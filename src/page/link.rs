@@ -195,7 +195,25 @@ fn drive_words(drive: &Drive) -> String {
     let (ratio, rotor) = (given(drive.gear_ratio, ""), given(drive.rotor_inertia_kg_m2, "kg m²"));
     let stiffness = drive.joint_stiffness_n_m_rad;
     let joint = if stiffness.is_finite() { given(stiffness, "N m/rad") } else { "stiff".into() };
-    format!("gear ratio {ratio}; rotor {rotor}; joint {joint}")
+    let parts = [
+        (drive.efficiency < 1.0, "efficiency", given(drive.efficiency, "")),
+        (
+            drive.coulomb_friction_n_m > 0.0,
+            "Coulomb friction",
+            given(drive.coulomb_friction_n_m, "N m"),
+        ),
+    ];
+    let constants = [
+        ("torque constant", drive.torque_constant_n_m_a, "N m/A"),
+        ("resistance", drive.resistance_ohm, "Ω"),
+    ];
+    let losses = parts.into_iter().filter(|(acts, ..)| *acts);
+    let losses = losses.map(|(_, name, value)| format!("; {name} {value}"));
+    let constants = constants.into_iter().filter_map(|(name, value, unit)| {
+        value.map(|value| format!("; {name} {}", given(value, unit)))
+    });
+    let more: String = losses.chain(constants).collect();
+    format!("gear ratio {ratio}; rotor {rotor}; joint {joint}{more}")
 }
 
 /// A damping law with its numbers, if it has any.

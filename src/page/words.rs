@@ -62,6 +62,10 @@ pub(super) mod formula {
     pub(in crate::page) const MOTOR: &str = "\
         Motor: T_m = T/n + J d²φ/dt², φ = n (θ + T/k): angle of the rotor, with the gear ratio n, the rotor's \
         inertia J and the stiffness k of the joint.";
+    pub(in crate::page) const LOSSY_MOTOR: &str = "\
+        Motor: T_m = f/n + J d²φ/dt², φ = n (θ + T/k): angle of the rotor, with the gear ratio n, the rotor's \
+        inertia J and the stiffness k of the joint; f = a T' + b |T'| x, T' = T + τ x, x = tanh((dθ/dt)/friction rate), \
+        a = (1/η + η)/2, b = (1/η − η)/2, with the Coulomb friction τ and the efficiency η.";
     /// Additions to the formulas of a solution with second order or weight.
     pub(in crate::page) const SECOND_ORDER: &str = "\
         Large slopes, axial and centripetal forces and the weight act as further loads, repeated until the torque no longer changes.";
@@ -124,6 +128,9 @@ pub(super) mod formula {
         dφ/dt, φ = n (θ + T/k): angle of the rotor, with the gear ratio n and the stiffness k of the joint.";
     pub(in crate::page) const MOTOR_POWER: &str =
         "P = T_m dφ/dt, T_m: torque of the motor, φ: angle of the rotor.";
+    pub(in crate::page) const MOTOR_CURRENT: &str =
+        "i = T_m/k, T_m: torque of the motor, k: its torque constant.";
+    pub(in crate::page) const MOTOR_VOLTAGE: &str = "        u = R i + k dφ/dt, R: resistance, i: current, k: torque constant, φ: angle of the rotor.";
     pub(in crate::page) const TIP_DEFLECTION: &str = "\
         w(L, t): distance of the tip from the hub's tangent line; v − Lθ of a link that bends little.";
     pub(in crate::page) const LINK_DEFLECTION: &str = "\
@@ -291,7 +298,7 @@ fn of_joint(joint: &Joint, text: &str, before: &str) -> String {
 }
 
 /// Meanings of the kinds of warnings of a sweep's cases.
-const WARNINGS: [(&str, &str); 35] = [
+const WARNINGS: [(&str, &str); 36] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),
     (
@@ -323,6 +330,7 @@ const WARNINGS: [(&str, &str); 35] = [
     ("inexact_iteration", "The second-order terms are not as exact as the tolerance asks."),
     ("second_order_left_out", "Second-order terms, which are left out, would change the torque."),
     ("thick_link", "Shear and rotary inertia, which are left out, would change the answer."),
+    ("coarse_losses", "The losses of the drive change their sign too fast for the steps."),
     ("coarse_mesh", "Halved elements would change the answer by more than a little."),
     ("few_modes", "The modes that are left out would change the answer."),
     (

@@ -108,7 +108,7 @@ impl Plant {
     ) -> (Vec<f64>, f64) {
         let modes = self.modes(10);
         let period_s = std::f64::consts::TAU / modes[1][0];
-        let samples = (until_s(period_s) / step_s).ceil() as usize + 1;
+        let samples = below(until_s(period_s) / step_s) + 2;
         let mut tip = vec![0.0; samples];
         let at = |k: usize| torque_n_m.get(k).copied().unwrap_or(0.0);
         for [omega, hub, own] in modes.into_iter().take(9) {
@@ -143,9 +143,15 @@ impl Plant {
     }
 }
 
+/// The whole number at a place or before it.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+fn below(place: f64) -> usize {
+    place as usize
+}
+
 /// Tip error, rest vibration and drift in m.
 fn measures(error_m: &[f64], from_s: f64, step_s: f64, end_s: f64, period_s: f64) -> [f64; 3] {
-    let place = |time_s: f64| ((time_s - from_s) / step_s) as usize;
+    let place = |time_s: f64| below((time_s - from_s) / step_s);
     let (end, until) = (place(end_s), place(end_s + period_s));
     let largest = error_m[..=until].iter().fold(0.0_f64, |most, e| most.max(e.abs()));
     let after = &error_m[end..=until];
@@ -220,15 +226,15 @@ fn a_sample_has_the_errors_and_quantiles_of_another_simulation() {
             state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64
     };
-    let plants = 10_000;
+    let plants = 10_000_u16;
     let mut drawn: Vec<[f64; 3]> =
         (0..plants).map(|_| brute.measures(0.9 + 0.2 * share(), 0.02 * share())).collect();
     let summary = bench.json("robust/summary.json");
     for (axis, name) in ["tip error", "rest vibration", "drift"].into_iter().enumerate() {
         drawn.sort_by(|a, b| a[axis].abs().total_cmp(&b[axis].abs()));
         for (q, key) in [(0.5, "median_m"), (0.95, "p95_m"), (0.99, "p99_m")] {
-            let at = |q: f64| drawn[(q * (plants - 1) as f64).round() as usize][axis].abs();
-            let off = (q * (1.0 - q) / plants as f64).sqrt();
+            let at = |q: f64| drawn[below(q * f64::from(plants - 1) + 0.5)][axis].abs();
+            let off = (q * (1.0 - q) / f64::from(plants)).sqrt();
             let [found, error] =
                 [0, 1].map(|part| number(&summary, &format!("quantiles/{axis}/{key}/{part}")));
             let own_error = 0.5 * (at(q + off) - at(q - off));

@@ -43,7 +43,7 @@ fn refusal_of_path(links: usize, text: &str) -> String {
 
 /// Why measurements are not those of so many links.
 fn refusal_of_measurements(text: &str, links: usize) -> String {
-    let error = read_measurements("measured.toml", text, links).expect_err(text);
+    let error = read_measurements("measured.toml", text, (links, false)).expect_err(text);
     told(&error, error.hint())
 }
 

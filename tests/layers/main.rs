@@ -25,7 +25,7 @@ const FLOORS: [(&str, &[&[&str]]); 5] = [
             &["inverse"],
         ],
     ),
-    ("study", &[&["compare"], &["result"], &["sweep", "verify", "fit"]]),
+    ("study", &[&["compare"], &["result"], &["sweep", "verify", "fit", "robust"]]),
     ("files", &[&["spec", "csv"], &["measured"], &["store"]]),
     ("page", &[&["page"]]),
     ("cli", &[&["terminal"], &["options"], &["cli"]]),
@@ -203,9 +203,9 @@ fn every_room_is_on_its_floor() {
 }
 
 #[test]
-fn the_sources_are_at_most_285_files() {
+fn the_sources_are_at_most_299_files() {
     let count = sources("src").len();
-    assert!(count <= 285, "{count} files");
+    assert!(count <= 299, "{count} files");
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod arms;
 mod carriage;
 mod common;
 mod dense;
+mod drives;
 mod elastica;
 mod fit;
 mod identification;

@@ -29,6 +29,8 @@ pub struct Moves {
     pub start_angle_rad: Option<f64>,
     pub is_large: bool,
     pub is_periodic: bool,
+    /// Whether the torques are those of motors under voltages.
+    pub is_under_voltage: bool,
 }
 
 /// The start at rest: the displacement of one link's tip, or a pose of an arm.
@@ -121,6 +123,7 @@ impl Moves {
             start_angle_rad: self.start_angle_rad,
             state: self.state.as_ref(),
             cycle_turn_rad: self.is_periodic.then_some(0.0),
+            is_under_voltage: self.is_under_voltage,
             ..Play::with(input)
         }
     }

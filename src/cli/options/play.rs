@@ -6,9 +6,11 @@ use clap::{Args, ValueEnum};
 
 use crate::csv::{
     InputFile, Joints, Reading, TableError, TableFormat, read_joint_references, read_joint_torques,
-    read_recording, read_recording_as, read_target, read_tip_places, read_torque_table_as,
+    read_record, read_recording, read_recording_as, read_target, read_tip_places,
+    read_torque_table_as,
 };
-use crate::link::{Arm, ParameterError};
+use crate::fit::RecordedInput;
+use crate::link::{Arm, Drive, ParameterError};
 use crate::numeric::TimeGrid;
 use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
@@ -26,6 +28,7 @@ enum InputKind {
     HubAngle,
     Force,
     Carriage,
+    Voltage,
 }
 
 impl InputKind {
@@ -104,7 +107,8 @@ pub(crate) struct PlayArgs {
 
     /// Quantity in TORQUE: the torque, or the hub angle (for an arm the angles of its joints), which the hub follows
     /// exactly while the torque is computed. The hub rests before the first sample and keeps its rate after the last. On a
-    /// carriage the force, or the position of the carriage [default: torque or force].
+    /// carriage the force, or the position of the carriage. `voltage` is that of the motor of [drive], of an arm `voltage1`,
+    /// `voltage2`, …, as in motor.csv; the motor is shorted after the last sample [default: torque or force].
     #[arg(long, value_name = "KIND", value_enum)]
     input: Option<InputKind>,
 
@@ -213,6 +217,9 @@ impl PlayArgs {
             let (mut hubs, reading) = read_joint_references(shown, bytes, joints, &read.format())?;
             let own = with_carriage_moved(&mut hubs, (arm, &self.file), &read.format())?;
             (Moving::Angles(hubs), own, reading)
+        } else if self.is_under_voltage() {
+            let (torques, reading) = self.read_voltages(&file, arm, &read.format())?;
+            (Moving::Torques(torques), None, reading)
         } else {
             let format = read.format();
             let how = (self.column.as_deref(), &format);
@@ -286,6 +293,7 @@ impl PlayArgs {
             start_angle_rad,
             is_large,
             is_periodic: self.periodic,
+            is_under_voltage: self.is_under_voltage(),
         };
         Ok(Playing {
             file,
@@ -309,13 +317,73 @@ impl PlayArgs {
         self.input.is_some_and(InputKind::is_motion)
     }
 
+    /// True where the voltages of motors are the input.
+    pub(crate) fn is_under_voltage(&self) -> bool {
+        self.input == Some(InputKind::Voltage)
+    }
+
+    /// Reads the voltage of each motor as its torque at the held joint.
+    fn read_voltages(
+        &self,
+        file: &InputFile,
+        arm: &Arm,
+        format: &TableFormat,
+    ) -> Result<(Vec<Torque>, Reading), Failure> {
+        let InputFile { shown, bytes, .. } = file;
+        let text = String::from_utf8_lossy(bytes);
+        let is_chosen = format.columns.iter().any(|own| own.is_of("voltage"));
+        if (self.column.is_some() || is_chosen) && arm.alone().is_none() {
+            let option = if is_chosen { "--columns voltage" } else { "--column" };
+            let message = format!(
+                "{option} names one column, but the voltages of an arm are voltage1, voltage2, …"
+            );
+            return Err(Failure::new(
+                Exit::Usage,
+                &message,
+                Some("rename the columns in the file"),
+            ));
+        }
+        let mut all = Vec::new();
+        for (number, own) in arm.links().iter().enumerate() {
+            let number = arm.pick(String::new(), (number + 1).to_string());
+            let of_motor = format!("motor{number}_voltage_v");
+            let of_motor = Some(of_motor).filter(|name| text.contains(name.as_str()));
+            let of_joint = arm.pick(None, Some(format!("voltage{number}")));
+            let mut format = format.clone();
+            let name = self.column.clone().or(of_motor.or(of_joint).filter(|_| !is_chosen));
+            if let Some(name) = name {
+                let choice = format!("voltage={name}").parse();
+                format.columns.push(choice.map_err(|error: String| {
+                    Failure::new(Exit::Usage, &format!("--column: {error}"), None)
+                })?);
+            }
+            let input = RecordedInput::Voltage;
+            let table = read_record(shown, bytes, input, &[], &format).map_err(|error| {
+                let hint = "the columns are voltage, of an arm voltage1, voltage2, …, or those of motor.csv; --column \
+                            names another one";
+                Failure { hint: Some(hint.to_owned()), ..Failure::from(error) }
+            })?;
+            let per_volt = own.link.drive().and_then(Drive::effort_per_volt).unwrap_or_default();
+            let times_s: Vec<f64> = (0..table.grid.len).map(|k| table.grid.time_s(k)).collect();
+            let torque = table.input.iter().map(|volts| per_volt * volts).collect();
+            let torque = Torque::new(&times_s, torque).map_err(|error| {
+                let message =
+                    format!("{shown}: {}", error.to_string().replace("torque", "voltage"));
+                Failure::new(Exit::InputRefused, &message, error.hint())
+            })?;
+            all.push((torque, table.reading));
+        }
+        let (torques, mut readings): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+        Ok((torques, readings.swap_remove(0)))
+    }
+
     /// Refuses an input of the other kind of joint, options of arms for one link, and those of a torque beside a hub
     /// angle.
     fn check(&self, arm: &Arm) -> Result<(), Failure> {
         let slides = arm.joint().slides();
         if let Some(input) = self.input {
             let of_carriage = [InputKind::Force, InputKind::Carriage];
-            if of_carriage.contains(&input) != slides {
+            if input != InputKind::Voltage && of_carriage.contains(&input) != slides {
                 let (kinds, of) = if slides {
                     ("force or carriage", "a link on a carriage")
                 } else {
@@ -328,6 +396,11 @@ impl PlayArgs {
             }
         }
         self.check_input(arm)?;
+        if self.is_under_voltage() && self.feedback.is_some() {
+            let message = "--input = voltage, but must be torque or force with --feedback";
+            let hint = "the feedback is a torque, which the voltage does not contain";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        }
         if self.at.is_some() && arm.alone().is_some() {
             let message =
                 "--at sets the directions of an arm, but one link starts at its start_angle";
@@ -371,7 +444,8 @@ impl PlayArgs {
 
     /// Arguments for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
-        let input = self.input.filter(|own| own.is_motion());
+        let is_told = |own: &InputKind| own.is_motion() || *own == InputKind::Voltage;
+        let input = self.input.filter(is_told);
         let input = input.map(|own| option("--input", own.name()));
         let column = self.column.iter().map(|column| option("--column", column));
         let until = self.until.map(|until| option("--until", until));

@@ -17,9 +17,9 @@ use crate::cli::terminal::memory;
 /// Most plants on which other commands play.
 const CORNERS: usize = 16;
 
-/// Longest duration that is tried, over that of the motion, and step of the search.
-const LONGEST: f64 = 2.0;
+/// Step of the search for a longer motion, over its duration, and number of steps.
 const LONGER: f64 = 0.01;
+const STEPS: u8 = 100;
 
 /// Amplitude at the mode that rings, over that of the motion, below which a longer motion is quiet.
 const QUIET: f64 = 0.2;
@@ -59,7 +59,7 @@ impl Robust {
             .collect();
         if self.played == Played::Inverse {
             let period_s = outcome.plants[0].strays.period_s;
-            let motions = period_s.map(|period_s| compared.motions(solution, TAU / period_s));
+            let motions = period_s.map(|period_s| Compared::motions(solution, TAU / period_s));
             help.extend(motions.into_iter().flatten().filter_map(|(what, motion)| {
                 let solution = compared.inverted(&motion)?;
                 let histories = Histories::of(&solution, false);
@@ -73,7 +73,7 @@ impl Robust {
 
 impl Compared<'_> {
     /// Shaped and longer motions, for the mode that rings.
-    fn motions(&self, solution: &Solution, omega_rad_s: f64) -> Vec<(String, Motion)> {
+    fn motions(solution: &Solution, omega_rad_s: f64) -> Vec<(String, Motion)> {
         let motion = &solution.motion;
         let lasts_s = motion.grid().duration_s();
         let shaped = Shaper::new(Shaping::Zv, omega_rad_s, 0.0).and_then(|shaper| {
@@ -158,9 +158,12 @@ fn quiet_factor(solution: &Solution, omega_rad_s: f64) -> Option<f64> {
         solution.tip.iter().map(|axis| of_axis(&axis.acceleration_m_s2)).sum::<f64>().sqrt()
     };
     let own = amplitude(1.0);
-    let steps = ((LONGEST - 1.0) / LONGER).round() as usize;
-    let tried: Vec<f64> = (0..=steps).map(|k| amplitude(1.0 + LONGER * k as f64)).collect();
-    let is_least = |k: &usize| tried[*k] <= tried[k - 1] && tried[*k] <= tried[k + 1];
-    let first = (1..steps).filter(|k| tried[*k] < QUIET * own).find(is_least)?;
-    Some(1.0 + LONGER * first as f64)
+    let factors = (0..=STEPS).map(|k| 1.0 + LONGER * f64::from(k));
+    let tried: Vec<(f64, f64)> = factors.map(|factor| (factor, amplitude(factor))).collect();
+    let is_least = |three: &&[(f64, f64)]| {
+        let [before, own, after] = [0, 1, 2].map(|k| three[k].1);
+        own <= before && own <= after
+    };
+    let quiet = tried.windows(3).filter(|three| three[1].1 < QUIET * own);
+    quiet.into_iter().find(is_least).map(|three| three[1].0)
 }

@@ -11,6 +11,7 @@ use crate::elastica::SecondOrder;
 use crate::inverse::{Analysis, Solution};
 use crate::link::Arm;
 use crate::motion::{Shaper, Shaping};
+use crate::numeric::{Dimension, parse_quantity};
 use crate::response::SimulationError;
 use crate::result::Notice;
 use crate::robust::{
@@ -215,16 +216,14 @@ pub(crate) struct Robust {
 fn amount(text: &str) -> Result<Amount, String> {
     let must = || "must be a share such as 1% or a length such as 2 mm, above 0".to_owned();
     let above_zero = |number: f64| (number > 0.0 && number.is_finite()).then_some(number);
-    match text.trim().strip_suffix('%') {
-        Some(share) => {
-            let share = share.trim().parse().ok().and_then(above_zero).ok_or_else(must)?;
-            Ok(Amount::Share(0.01 * share))
-        }
-        None => {
-            let metres = crate::numeric::parse_quantity(text, crate::numeric::Dimension::LENGTH);
-            metres.ok().and_then(above_zero).map(Amount::Metres).ok_or_else(must)
-        }
-    }
+    let amount = if let Some(share) = text.trim().strip_suffix('%') {
+        let share = share.trim().parse().ok().and_then(above_zero);
+        share.map(|share| Amount::Share(0.01 * share))
+    } else {
+        let metres = parse_quantity(text, Dimension::LENGTH).ok();
+        metres.and_then(above_zero).map(Amount::Metres)
+    };
+    amount.ok_or_else(must)
 }
 
 impl Amount {
@@ -303,7 +302,7 @@ impl Robust {
         let plays = self.plays(&problem, &solved.solution)?;
         let distribution = self.distribution.into();
         let sample = Sample { runs: self.runs, seed: self.seed, distribution, fitted };
-        let outcome = self.study(&problem, &plays, &plants, &sample)?;
+        let outcome = plays.study(&problem, &plants, &sample)?;
         let errors = plays.errors(&outcome, &plants)?;
         let help = self.help(&problem, &solved.solution, &outcome, &plants);
         let summary = RobustSummary::of(
@@ -407,26 +406,6 @@ impl Robust {
         let checked = checked.map_err(not_played)?;
         let (quick, whole) = (quick.less(error_m), whole.less(checked.error_m));
         Ok(Plays { quick, whole, band_m, least_s, common_m: checked.strays.tip_error_m })
-    }
-
-    /// Plays all plants.
-    fn study(
-        &self,
-        problem: &Problem,
-        plays: &Plays,
-        plants: &Plants<'_>,
-        sample: &Sample,
-    ) -> Result<Robustness, Failure> {
-        let limits = &problem.specification.limits;
-        let play = |values: &[Option<f64>]| -> Result<PlantTip, PlantError<Failure>> {
-            let own = plants.with(values).map_err(PlantError::Refused)?;
-            let Plays { quick, band_m, least_s, .. } = plays;
-            let how = (plants.delay_s(values), *band_m, *least_s);
-            let played = quick.plant((&own.arm, &own.meshes), how, limits);
-            played.map_err(|error| PlantError::Failed(not_played(&error, &own.arm)))
-        };
-        let travel_m = plays.quick.travel_m;
-        Study { keys: plants.keys, sample, travel_m, play, watch: &|| {} }.run()
     }
 
     /// Warnings of the study.
@@ -566,6 +545,25 @@ fn not_played(error: &SimulationError, arm: &Arm) -> Failure {
 }
 
 impl Plays {
+    /// Plays all plants.
+    fn study(
+        &self,
+        problem: &Problem,
+        plants: &Plants<'_>,
+        sample: &Sample,
+    ) -> Result<Robustness, Failure> {
+        let limits = &problem.specification.limits;
+        let play = |values: &[Option<f64>]| -> Result<PlantTip, PlantError<Failure>> {
+            let own = plants.with(values).map_err(PlantError::Refused)?;
+            let Self { quick, band_m, least_s, .. } = self;
+            let how = (plants.delay_s(values), *band_m, *least_s);
+            let played = quick.plant((&own.arm, &own.meshes), how, limits);
+            played.map_err(|error| PlantError::Failed(not_played(&error, &own.arm)))
+        };
+        let travel_m = self.quick.travel_m;
+        Study { keys: plants.keys, sample, travel_m, play }.run()
+    }
+
     /// The change of the tip errors of the nominal and the worst plant in a whole simulation.
     fn errors(&self, outcome: &Robustness, plants: &Plants<'_>) -> Result<PlayErrors, Failure> {
         let mut play_m: f64 = 0.0;

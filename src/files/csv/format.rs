@@ -156,6 +156,13 @@ pub struct ColumnChoice {
     pub(super) column: ColumnName,
 }
 
+impl ColumnChoice {
+    /// True for the column of the quantity with this name.
+    pub fn is_of(&self, word: &str) -> bool {
+        self.quantity.word == word
+    }
+}
+
 /// A column by its number or its heading.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum ColumnName {

@@ -15,7 +15,7 @@ use super::samples::MIN_SAMPLES;
 use super::samples::Samples;
 use crate::fit::{DecaySamples, RecordedInput};
 use crate::model::Sensor;
-use crate::numeric::Dimension;
+use crate::numeric::{Dimension, TimeGrid};
 use crate::recording::Change;
 use crate::result::{ChannelRecording, SimulatedChannel};
 
@@ -47,8 +47,8 @@ const CHOICES: &str = "columns = [\"time=1\", \"torque=2\"] chooses columns by n
 /// A recorded table, in SI at uniform times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordTable {
-    /// Step of the times in s.
-    pub step_s: f64,
+    /// Its times.
+    pub grid: TimeGrid,
     /// Samples of the input that drives the link.
     pub input: Vec<f64>,
     /// Samples of each sensor.
@@ -72,7 +72,7 @@ pub struct RecordTable {
 /// let file = b"time [ms],voltage [V],hub_angle [deg],note\n0,0,0,\n1,5,0,\n2,5,1,\n3,5,3,\n";
 /// let format = TableFormat::default();
 /// let record = read_record("step.csv", file, RecordedInput::Voltage, &[Sensor::HubAngle], &format)?;
-/// assert_eq!((record.step_s, &record.input[..]), (0.001, &[0.0, 5.0, 5.0, 5.0][..]));
+/// assert_eq!((record.grid.step_s, &record.input[..]), (0.001, &[0.0, 5.0, 5.0, 5.0][..]));
 /// # Ok::<(), flexlink::csv::TableError>(())
 /// ```
 ///
@@ -95,9 +95,9 @@ pub fn read_record(
         wanted.iter().map(|wanted| samples.take(*wanted).unwrap_or_default()).collect();
     let time_s = taken.remove(0);
     let time_s = samples.make_uniform(time_s, taken.iter_mut().collect());
-    let step_s = samples.grid_from(0, &time_s)?.step_s;
+    let grid = samples.grid_from(0, &time_s)?;
     let (input, units) = (taken.remove(0), units[2..].to_vec());
-    Ok(RecordTable { step_s, input, channels: taken, units, reading: samples.reading })
+    Ok(RecordTable { grid, input, channels: taken, units, reading: samples.reading })
 }
 
 fn driving(input: RecordedInput) -> Quantity {
@@ -449,7 +449,7 @@ mod tests {
         assert_eq!(table.units, [0.01, 1e-6]);
         let chosen = ["time=1", "torque=2", "tip_acceleration=3", "root_strain=4"];
         let table = read("0 0 0 0\n1 1 2 3\n2 1 2 3\n3 1 2 3\n", &chosen).unwrap();
-        assert_eq!((table.step_s, table.channels[1].clone()), (1.0, vec![0.0, 3.0, 3.0, 3.0]));
+        assert_eq!((table.grid.step_s, table.channels[1].clone()), (1.0, vec![0.0, 3.0, 3.0, 3.0]));
     }
 
     #[test]
@@ -463,7 +463,7 @@ mod tests {
         let table = read(&text, &[]).unwrap();
         assert!(table.reading.jitter().is_some());
         for (k, value) in table.input.iter().enumerate() {
-            assert!((value - (table.step_s * k as f64).powi(2)).abs() < 1e-8, "{k}: {value}");
+            assert!((value - (table.grid.step_s * k as f64).powi(2)).abs() < 1e-8, "{k}: {value}");
         }
         let error = read(&text.replace("1.003000", "1.053000"), &[]).unwrap_err();
         assert!(error.to_string().starts_with("r.csv:3: time = 0.103 s, but must be"), "{error}");

@@ -148,14 +148,31 @@ fn drive(raw: &RawDrive, slides: bool) -> Result<Drive, Fault> {
         None => gear_ratio,
     };
     let stiffness = raw.joint_stiffness.map(|own| own.0);
-    if stiffness.is_some_and(|own| own.slides.is_some_and(|of| of != slides)) {
-        let unit = if slides { "N/m on a carriage" } else { "N m/rad at a hub" };
-        return Err(Fault::on("drive.joint_stiffness", format!("must be in {unit}")));
+    let suits = |own: Option<bool>| own.is_none_or(|own| own);
+    for (key, is_right, units) in [
+        ("joint_stiffness", suits(stiffness.map(|own| own.suits(slides))), ["N m/rad", "N/m"]),
+        (
+            "coulomb_friction",
+            suits(raw.coulomb_friction.map(|own| own.suits(slides))),
+            ["N m", "N"],
+        ),
+        ("friction_rate", suits(raw.friction_rate.map(|own| own.suits(slides))), ["rad/s", "m/s"]),
+    ] {
+        let place = if slides { "on a carriage" } else { "at a hub" };
+        if !is_right {
+            let words = format!("must be in {} {place}", units[usize::from(slides)]);
+            return Err(Fault::on(format!("drive.{key}"), words));
+        }
     }
     Ok(Drive {
         joint_stiffness_n_m_rad: stiffness.map_or(f64::INFINITY, |own| own.si),
         rotor_inertia_kg_m2: raw.rotor_inertia.si(),
         gear_ratio: ratio,
+        efficiency: raw.efficiency.unwrap_or(1.0),
+        coulomb_friction_n_m: raw.coulomb_friction.map_or(0.0, |own| own.si),
+        friction_rate_rad_s: raw.friction_rate.map(|own| own.si),
+        torque_constant_n_m_a: raw.torque_constant.map(Si::si),
+        resistance_ohm: raw.resistance.map(Si::si),
     })
 }
 

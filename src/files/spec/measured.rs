@@ -9,9 +9,9 @@ use super::document::located;
 use super::error::{Fault, SpecError};
 use super::measured_values::{MeasuredOf, ModeKeys, RawDamping, RawFrequency, checked};
 use super::tree::Node;
-use super::value::{Angle, Count, Length, Si, Time, tables};
+use super::value::{Angle, Count, Length, Resistance, Si, Time, TorqueConstant, tables};
 use crate::fit::{DecayValues, Gain, HubEnd, Measured, Motor, Observable, RecordedInput};
-use crate::link::positive;
+use crate::link::{ParameterError, positive};
 use crate::model::Sensor;
 use crate::response::Interpolation;
 
@@ -30,6 +30,8 @@ struct RawMeasurements {
     record: Vec<RawRecord>,
     #[serde(default, deserialize_with = "tables")]
     decay: Vec<RawDecay>,
+    drive: Option<RawMotor>,
+    /// The older name of `drive`.
     motor: Option<RawMotor>,
 }
 
@@ -46,33 +48,45 @@ pub struct MeasuredFile {
     pub decays: Vec<DecayFile>,
     /// The motor at the joint.
     pub motor: Option<Motor>,
+    /// Name of its table, `drive` or the older `motor`.
+    pub table: &'static str,
     /// Whether it has the pinion of a carriage.
     pub has_pinion: bool,
 }
 
-/// Reads the text of a file of measured values of an arm with this number of `links`, or of one link; errors call the
-/// file `name`.
+/// Reads the text of a file of measured values of an arm with this number of `links`, or of one link, whose link file may
+/// have the motor's constants (`is_driven`); errors call the file `name`.
 ///
 /// ```
 /// use flexlink::spec::read_measurements;
 /// let text = "[[frequency]]\nmode = 1\nvalue = '2.52 Hz'\nuncertainty = '0.02 Hz'\nhub = 'held'\n\
 ///             [[damping]]\nmode = 1\nratio = 0.013\nuncertainty = 0.002\n";
-/// let measured = read_measurements("measured.toml", text, 1)?;
+/// let measured = read_measurements("measured.toml", text, (1, false))?;
 /// assert_eq!(measured.values.len(), 2);
 /// # Ok::<(), flexlink::spec::SpecError>(())
 /// ```
 ///
 /// # Errors
 /// [`SpecError`] names the line and the wrong value.
-pub fn read_measurements(name: &str, text: &str, links: usize) -> Result<MeasuredFile, SpecError> {
+pub fn read_measurements(
+    name: &str,
+    text: &str,
+    (links, is_driven): (usize, bool),
+) -> Result<MeasuredFile, SpecError> {
     let tree = Node::document(name, text)?;
     let raw = RawMeasurements::deserialize(&tree).map_err(Fault::from);
-    raw.and_then(|raw| convert(raw, links)).map_err(|fault| located(fault, &tree, (name, &[])))
+    raw.and_then(|raw| convert(raw, (links, is_driven)))
+        .map_err(|fault| located(fault, &tree, (name, &[])))
 }
 
-fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
+fn convert(raw: RawMeasurements, (links, is_driven): (usize, bool)) -> Result<MeasuredFile, Fault> {
     let of = MeasuredOf::new(links, raw.at)?;
+    if raw.drive.is_some() && raw.motor.is_some() {
+        let message = "must not be there beside [drive], which takes its place";
+        return Err(Fault::on("motor", message));
+    }
     let of_one_link = [
+        ("drive", raw.drive.is_some()),
         ("motor", raw.motor.is_some()),
         ("response", !raw.response.is_empty()),
         ("record", !raw.record.is_empty()),
@@ -84,9 +98,11 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
     let ratios = each("damping", raw.damping, |raw, path| raw.convert(path, &of))?;
     let values = [values, ratios].concat();
     let decays = each("decay", raw.decay, |raw, path| raw.convert(path, &of))?;
-    let has_pinion = raw.motor.is_some_and(|motor| motor.pinion_radius.is_some());
-    let motor = raw.motor.map(RawMotor::convert).transpose()?;
-    let has_motor = motor.is_some();
+    let table = if raw.motor.is_some() { "motor" } else { "drive" };
+    let raw_motor = raw.drive.or(raw.motor);
+    let has_pinion = raw_motor.is_some_and(|motor| motor.pinion_radius.is_some());
+    let motor = raw_motor.map(|own| own.convert(table)).transpose()?;
+    let has_motor = motor.is_some() || is_driven;
     let responses = each("response", raw.response, |raw, path| raw.convert(path, has_motor))?;
     let records = each("record", raw.record, |raw, path| raw.convert(path, has_motor))?;
     if values.is_empty() && responses.is_empty() && records.is_empty() && decays.is_empty() {
@@ -100,7 +116,7 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
         let message = "the file has no measurements, but needs at least one";
         return Err(Fault::new("", message).hinting(hint.to_owned()));
     }
-    Ok(MeasuredFile { values, responses, records, decays, motor, has_pinion })
+    Ok(MeasuredFile { values, responses, records, decays, motor, table, has_pinion })
 }
 
 /// Converts the tables of a key, each with its path.
@@ -253,12 +269,12 @@ pub struct ChannelFile {
     pub uncertainty: Option<f64>,
 }
 
-/// `[motor]`
+/// `[drive]`, or the older `[motor]`
 #[derive(Debug, Clone, Copy, serde::Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct RawMotor {
-    torque_constant: f64,
-    resistance: f64,
+    torque_constant: TorqueConstant,
+    resistance: Resistance,
     gear_ratio: Option<f64>,
     pinion_radius: Option<Length>,
 }
@@ -322,11 +338,15 @@ fn distance_m(
 }
 
 impl RawMotor {
-    pub(super) fn convert(self) -> Result<Motor, Fault> {
+    pub(super) fn convert(self, table: &str) -> Result<Motor, Fault> {
         let Self { torque_constant, resistance, gear_ratio, pinion_radius } = self;
         let radius_m = pinion_radius.map_or(1.0, Si::si);
-        positive("motor.pinion_radius", radius_m, "m")?;
-        Ok(Motor::new(torque_constant, resistance, gear_ratio.unwrap_or(1.0) / radius_m)?)
+        positive(&format!("{table}.pinion_radius"), radius_m, "m")?;
+        let ratio = gear_ratio.unwrap_or(1.0) / radius_m;
+        Motor::new(torque_constant.si(), resistance.si(), ratio).map_err(|error| {
+            let parameter = error.parameter.replace("drive.", &format!("{table}."));
+            ParameterError { parameter, ..error }.into()
+        })
     }
 }
 
@@ -391,8 +411,9 @@ fn check_motor(path: &str, found: &str, has_motor: bool) -> Result<(), Fault> {
     if has_motor {
         return Ok(());
     }
-    let hint = "add [motor] with torque_constant in N m/A and resistance in ohm";
-    let words = format!("= \"{found}\", but must come with [motor]");
+    let hint =
+        "add [drive] with torque_constant in N m/A and resistance in ohm, here or in the link file";
+    let words = format!("= \"{found}\", but must come with [drive]");
     Err(Fault::on(path, words).hinting(hint.to_owned()))
 }
 
@@ -519,11 +540,14 @@ mod tests {
                 "m.toml:3: damping.0.peaks must be two or more peaks of one sign, each below the one before",
             ),
         ] {
-            assert_eq!(read_measurements("m.toml", text, 1).unwrap_err().to_string(), expected);
+            assert_eq!(
+                read_measurements("m.toml", text, (1, false)).unwrap_err().to_string(),
+                expected
+            );
         }
     }
 
-    const MOTOR: &str = "[motor]\ntorque_constant = 0.042\nresistance = 8.4\n";
+    const MOTOR: &str = "[drive]\ntorque_constant = 0.042\nresistance = 8.4\n";
 
     #[test]
     fn what_contradicts_itself_is_refused_with_its_line() {
@@ -531,7 +555,7 @@ mod tests {
         for (text, expected) in [
             (
                 record("input = 'voltage'\n[[record.channel]]\nsensor = 'hub_angle'\n"),
-                "m.toml:3: record.0.input = \"voltage\", but must come with [motor]",
+                "m.toml:3: record.0.input = \"voltage\", but must come with [drive]",
             ),
             (
                 record("input = 'voltage'\n[[record.channel]]\nsensor = 'hub_angle'\n") + MOTOR,
@@ -569,23 +593,34 @@ mod tests {
             ),
             (
                 MOTOR.replace("8.4", "0"),
-                "m.toml:3: motor.resistance = 0 ohm, but must be finite and above 0",
+                "m.toml:3: drive.resistance = 0 ohm, but must be finite and above 0",
             ),
         ] {
-            assert_eq!(read_measurements("m.toml", &text, 1).unwrap_err().to_string(), expected);
+            assert_eq!(read_measurements("m.toml", &text, (1, false)).unwrap_err().to_string(), expected);
         }
         let text =
             record("input = 'voltage'\nhold = 'zero'\n[[record.channel]]\nsensor = 'hub_angle'\n")
                 + MOTOR;
-        let read = read_measurements("m.toml", &text, 1).unwrap();
+        let read = read_measurements("m.toml", &text, (1, false)).unwrap();
         assert!(read.motor.is_some() && read.records[0].channels[0].uncertainty.is_none());
+        // The older name of the table, and constants with units.
+        let older = text.replace("[drive]", "[motor]").replace("0.042", "'4.2 N cm/A'");
+        let older = read_measurements("m.toml", &older, (1, false)).unwrap();
+        assert_eq!((older.motor, older.table), (read.motor, "motor"));
+        let of_link = text.replace(MOTOR, "");
+        assert!(read_measurements("m.toml", &of_link, (1, true)).unwrap().motor.is_none());
+        let both = text + &MOTOR.replace("drive", "motor");
+        assert_eq!(
+            read_measurements("m.toml", &both, (1, false)).unwrap_err().to_string(),
+            "m.toml:10: motor must not be there beside [drive], which takes its place"
+        );
     }
 
     #[test]
     fn one_mode_or_several_are_read() {
         let read = |more: &str| {
             let text = format!("[[decay]]\nfile = 'd.csv'\nhub = 'held'\n{more}");
-            read_measurements("m.toml", &text, 1).map(|mut read| read.decays.remove(0))
+            read_measurements("m.toml", &text, (1, false)).map(|mut read| read.decays.remove(0))
         };
         let mode = |mode| Observable::Frequency { mode, hub: HubEnd::Held };
         assert_eq!(read("").unwrap().frequencies, [mode(1)]);

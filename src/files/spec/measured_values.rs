@@ -262,7 +262,7 @@ mod tests {
     fn frequencies_are_read_in_hertz() {
         let value = |text: &str| {
             let text = format!("[[frequency]]\nmode = 1\nvalue = {text}\n");
-            read_measurements("m.toml", &text, 1).map(|measured| measured.values[0].value)
+            read_measurements("m.toml", &text, (1, false)).map(|measured| measured.values[0].value)
         };
         for text in ["2.5", "'2.5 Hz'", "'15.707963267948966 rad/s'", "'150 rpm'"] {
             assert!((value(text).unwrap() - 2.5).abs() < 1e-15, "{text}");

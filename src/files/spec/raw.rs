@@ -12,10 +12,10 @@ use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
 use super::value::{
-    AlongAxes, Angle, Area, Axis, BendingStiffness, Count, Density, Elements, Ends, Length, Mass,
-    MassPerLength, Pressure, Rate, RotaryInertia, RotaryInertiaPerLength, SecondMoment,
-    ShearStiffness, SlidingFriction, Time, Unbounded, ViscousFriction, above_zero, at_least_zero,
-    quantity, tables,
+    AlongAxes, Angle, Area, Axis, BendingStiffness, Count, Density, Elements, Ends, Friction,
+    JointRate, Length, Mass, MassPerLength, Pressure, Rate, Resistance, RotaryInertia,
+    RotaryInertiaPerLength, SecondMoment, ShearStiffness, SlidingFriction, Time, TorqueConstant,
+    Unbounded, ViscousFriction, above_zero, at_least_zero, quantity, tables,
 };
 use crate::elastica::SecondOrder;
 use crate::link::Joint;
@@ -63,7 +63,7 @@ pub(super) struct RawSpecification {
     pub(super) payload: RawPayload,
     /// Damping of the link; without this table the link is undamped.
     pub(super) damping: Option<RawDamping>,
-    /// Gear and joint between motor and hub; adds the tables of motor and held modes.
+    /// Motor, gear and joint that drive the hub; adds the tables of motor and held modes.
     pub(super) drive: Option<RawDrive>,
     /// Limits of link and motor; exceeding one is a warning, with --strict an error.
     pub(super) limits: RawLimits,
@@ -272,6 +272,22 @@ pub(super) struct RawDrive {
     /// Radius of the pinion, or of the belt's pulley, that moves a carriage; needed on a carriage, and only there.
     #[schemars(transform = above_zero)]
     pub(super) pinion_radius: Option<Length>,
+    /// Efficiency of the gear, in both directions of the power, 1e-6 to 1.
+    #[schemars(range(min = 1e-6, max = 1.0), extend("default" = 1))]
+    pub(super) efficiency: Option<f64>,
+    /// Coulomb friction of the joint, on a carriage in N.
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) coulomb_friction: Option<Friction>,
+    /// Rate of the joint, on a carriage in m/s, over which friction and losses of the gear change their sign: they follow
+    /// the hyperbolic tangent of the rate over this one; by default 1 % of the joint's peak rate.
+    #[schemars(transform = above_zero)]
+    pub(super) friction_rate: Option<JointRate>,
+    /// Torque constant of the motor; adds its current.
+    #[schemars(transform = above_zero)]
+    pub(super) torque_constant: Option<TorqueConstant>,
+    /// Resistance of the motor, beside its torque constant; adds its voltage.
+    #[schemars(transform = above_zero)]
+    pub(super) resistance: Option<Resistance>,
 }
 
 /// Limits of a carriage, with the key of a hub's limit in their place and their dimension.

@@ -13,10 +13,10 @@ use crate::link::Taper;
 use crate::numeric::{Dimension, UnitError, parse_quantity, quantity_pattern};
 use crate::text::visible;
 
-/// A quantity in SI; the file has a number or text with a unit. The parameters are the exponents of mass, length and
-/// time.
+/// A quantity in SI; the file has a number or text with a unit. The parameters are the exponents of mass, length, time
+/// and electric current.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Si<const M: i8, const L: i8, const T: i8>(f64);
+pub(super) struct Si<const M: i8, const L: i8, const T: i8, const I: i8 = 0>(f64);
 
 pub(super) type Length = Si<0, 1, 0>;
 pub(super) type Mass = Si<1, 0, 0>;
@@ -29,8 +29,10 @@ pub(super) type Time = Si<0, 0, 1>;
 pub(super) type Rate = Si<0, 0, -1>;
 pub(super) type Acceleration = Si<0, 1, -2>;
 pub(super) type Angle = Si<0, 0, 0>;
+pub(super) type Resistance = Si<1, 2, -3, -2>;
+pub(super) type TorqueConstant = Si<1, 2, -2, -1>;
 
-impl<const M: i8, const L: i8, const T: i8> Si<M, L, T> {
+impl<const M: i8, const L: i8, const T: i8, const I: i8> Si<M, L, T, I> {
     pub(super) fn si(self) -> f64 {
         self.0
     }
@@ -114,9 +116,9 @@ impl<'de> Visitor<'de> for Ends {
     }
 }
 
-impl<'de, const M: i8, const L: i8, const T: i8> Deserialize<'de> for Si<M, L, T> {
+impl<'de, const M: i8, const L: i8, const T: i8, const I: i8> Deserialize<'de> for Si<M, L, T, I> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let dimension = Dimension::new(M, L, T);
+        let dimension = Dimension::electric(M, L, T, I);
         Ok(Self(Ends { dimension, takes_two: false }.deserialize(deserializer)?.inner))
     }
 }
@@ -132,44 +134,58 @@ impl<'de, const M: i8, const L: i8, const T: i8> Deserialize<'de> for Tapered<M,
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
 pub(super) struct Unbounded(pub(super) Stiffness);
 
-/// Stiffness of a joint in SI: a torque per angle, or a force per length.
+/// Stiffness of a joint: a torque per angle, or a force per length.
+pub(super) type Stiffness = OfJoint<1, 2, -2, 0>;
+/// Friction of a joint: a torque or a force.
+pub(super) type Friction = OfJoint<1, 2, -2, 1>;
+/// Rate of a joint: an angle or a length per time.
+pub(super) type JointRate = OfJoint<0, 0, -1, 1>;
+
+/// A quantity of a joint in SI. The parameters are the exponents of mass, length and time of a hub, and that of length of
+/// a carriage.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stiffness {
+pub(super) struct OfJoint<const M: i8, const L: i8, const T: i8, const S: i8> {
     pub(super) si: f64,
-    /// True for a force per length, false for a torque per angle; `None` without a unit.
+    /// True in the unit of a carriage, false in that of a hub; `None` without a unit.
     pub(super) slides: Option<bool>,
 }
 
-/// N/m
-const PER_LENGTH: Dimension = Dimension::new(1, 0, -2);
+impl<const M: i8, const L: i8, const T: i8, const S: i8> OfJoint<M, L, T, S> {
+    /// False in the unit of the other kind of joint.
+    pub(super) fn suits(self, slides: bool) -> bool {
+        self.slides.is_none_or(|own| own == slides)
+    }
+}
 
-impl<'de> Deserialize<'de> for Stiffness {
+impl<'de, const M: i8, const L: i8, const T: i8, const S: i8> Deserialize<'de>
+    for OfJoint<M, L, T, S>
+{
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Spring(Ends);
-        impl Visitor<'_> for Spring {
-            type Value = Stiffness;
+        struct Value<const M: i8, const L: i8, const T: i8, const S: i8>(Ends);
+        impl<const M: i8, const L: i8, const T: i8, const S: i8> Visitor<'_> for Value<M, L, T, S> {
+            type Value = OfJoint<M, L, T, S>;
 
             fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
                 self.0.expecting(formatter)
             }
 
-            fn visit_f64<E: Error>(self, si: f64) -> Result<Stiffness, E> {
-                Ok(Stiffness { si, slides: None })
+            fn visit_f64<E: Error>(self, si: f64) -> Result<Self::Value, E> {
+                Ok(OfJoint { si, slides: None })
             }
 
-            fn visit_i64<E: Error>(self, number: i64) -> Result<Stiffness, E> {
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Self::Value, E> {
                 self.visit_f64(number as f64)
             }
 
-            fn visit_str<E: Error>(self, text: &str) -> Result<Stiffness, E> {
-                let along = parse_quantity(text, PER_LENGTH);
+            fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+                let along = parse_quantity(text, Dimension::new(M, S, T));
                 let slides = Some(along.is_ok());
                 let si = along.or_else(|_| self.0.visit_str(text).map(|own| own.inner))?;
-                Ok(Stiffness { si, slides })
+                Ok(OfJoint { si, slides })
             }
         }
-        let turning = Ends { dimension: Dimension::TORQUE, takes_two: false };
-        deserializer.deserialize_any(Spring(turning))
+        let turning = Ends { dimension: Dimension::new(M, L, T), takes_two: false };
+        deserializer.deserialize_any(Value(turning))
     }
 }
 
@@ -252,9 +268,19 @@ where
 /// Keyword of a quantity's schema that contains its SI unit until [`describe`] removes it.
 const UNIT: &str = "unit";
 
-impl<const M: i8, const L: i8, const T: i8> JsonSchema for Si<M, L, T> {
+impl<const M: i8, const L: i8, const T: i8, const I: i8> JsonSchema for Si<M, L, T, I> {
     fn schema_name() -> Cow<'static, str> {
-        format!("Si{M}{L}{T}").into()
+        format!("Si{M}{L}{T}{I}").into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        quantity(Dimension::electric(M, L, T, I))
+    }
+}
+
+impl<const M: i8, const L: i8, const T: i8, const S: i8> JsonSchema for OfJoint<M, L, T, S> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("OfJoint{M}{L}{T}{S}").into()
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {

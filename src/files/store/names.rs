@@ -145,7 +145,7 @@ pub(super) static ANGLE: JointFile = JointFile::new(
 );
 /// Files of the carriage of an arm, besides those of its joints.
 pub(super) static OF_CARRIAGE: [&JointFile; 3] = [&TORQUE, &RIGID_TORQUE, &ANGLE];
-/// Motors of joints with a drive.
+/// Motors of joints with a drive. The last columns are of those with the motor's constants.
 pub(super) static MOTOR: JointFile = JointFile::new(
     ["motor.csv"; 3],
     &[
@@ -153,6 +153,8 @@ pub(super) static MOTOR: JointFile = JointFile::new(
         ["motor_angle_rad", "motor#_angle_rad", "motor_angle_rad"],
         ["motor_rate_rad_s", "motor#_rate_rad_s", "motor_rate_rad_s"],
         ["motor_power_w", "motor#_power_w", "motor_power_w"],
+        ["motor_current_a", "motor#_current_a", "motor_current_a"],
+        ["motor_voltage_v", "motor#_voltage_v", "motor_voltage_v"],
     ],
 );
 /// Chords of an arm's links. A simulation writes the first column.

@@ -20,7 +20,7 @@ use super::summary::{LinkRecord, STATIONS, Summary, numbers_in};
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::csv::{Place, TableError};
 use crate::inverse::NodalTable;
-use crate::link::{Drive, Link, POSITION_TOLERANCE};
+use crate::link::{Drive, Link, MotorKnown, POSITION_TOLERANCE};
 use crate::motion::{Prescribed, TipMotionHistories};
 use crate::result::{
     StoredArc, StoredCarriage, StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredRun,
@@ -33,8 +33,10 @@ const FIRST: usize = 0;
 const RATE: usize = 1;
 const ACCELERATION: usize = 2;
 const RIGID_ANGLE: usize = 3;
-/// Number of the column with a motor's rate, in [`MOTOR`].
+/// Numbers of the columns with a motor's rate, and with its current and voltage by its constants, in [`MOTOR`].
 const MOTOR_RATE: usize = 2;
+const MOTOR_CURRENT: usize = 4;
+const MOTOR_VOLTAGE: usize = 5;
 
 /// Number of columns of each file of an arm's carriage.
 const CARRIAGE_COLUMNS: usize = 3;
@@ -120,6 +122,14 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
         if is_there {
             let mut columns = file.columns(form, joints);
             columns.retain(|name| is_solved || !name.starts_with(RIGID) && name != ROOT_MOMENT);
+            let known = |joint: usize| links[joint].1.drive().map(Drive::known);
+            for (column, needs) in
+                [(MOTOR_CURRENT, MotorKnown::Current), (MOTOR_VOLTAGE, MotorKnown::Voltage)]
+            {
+                for joint in joints.iter().filter(|joint| known(**joint) < Some(needs)) {
+                    columns.retain(|name| *name != MOTOR.column(form, *joint, column));
+                }
+            }
             let table = Table::of(&folder.file(file.name(form))?, &columns)?;
             table.check_times(times, 1)?;
             tables.push((file, columns, table));
@@ -254,6 +264,12 @@ impl Parts {
             return Err(place.refuse_whole(&format!("{missing} is missing")));
         }
         let motor = self.take(&MOTOR, k, FIRST).zip(self.take(&MOTOR, k, MOTOR_RATE));
+        let motor = motor.map(|(torque_n_m, rate_rad_s)| StoredMotor {
+            torque_n_m,
+            rate_rad_s,
+            current_a: self.take(&MOTOR, k, MOTOR_CURRENT),
+            voltage_v: self.take(&MOTOR, k, MOTOR_VOLTAGE),
+        });
         Ok(StoredJoint {
             torque_n_m: self.take(&TORQUE, k, FIRST).unwrap_or_default(),
             angle_rad: self.take(&ANGLE, k, FIRST).unwrap_or_default(),
@@ -261,7 +277,7 @@ impl Parts {
             acceleration_rad_s2: self.take(&ANGLE, k, ACCELERATION).unwrap_or_default(),
             rigid_torque_n_m: self.take(&RIGID_TORQUE, k, FIRST),
             rigid_angle_rad: self.take(&ANGLE, k, RIGID_ANGLE),
-            motor: motor.map(|(torque_n_m, rate_rad_s)| StoredMotor { torque_n_m, rate_rad_s }),
+            motor,
             readings: if is_alone { summary.readings() } else { numbers_in(results, "") },
             errors: errors_by_kind(errors),
             limits: Summary::limits(limits, place)?,

@@ -74,6 +74,9 @@ pub fn write_robust(
     folder.commit(SUMMARY, &OWNED)
 }
 
+/// A number of a plant, from the plant and the travel in m.
+type Number = fn(&Plant, f64) -> Option<f64>;
+
 /// Writes a row for each plant: its kind, the value of each key, empty where the file's value stays unknown, and its
 /// measures, tip error and rest vibration over the travel.
 fn write_plants(
@@ -90,7 +93,6 @@ fn write_plants(
         .map(|(number, key)| (key.heading(), plants.iter().map(|own| value(own, number)).collect()))
         .collect();
     let travel_m = summary.travel_m;
-    type Number = fn(&Plant, f64) -> Option<f64>;
     let numbers: [(&str, Number); 4] = [
         ("tip_error", |own, travel_m| Some(own.strays.tip_error_m / travel_m)),
         ("rest_vibration", |own, travel_m| Some(own.strays.rest_vibration_m / travel_m)),

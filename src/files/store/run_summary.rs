@@ -132,6 +132,7 @@ impl Summary {
         let tip_error = target.as_ref().map(|target| tip_numbers(&target.tip_error));
         let joint = arm.joint();
         let input = match play.input {
+            Input::Torques(_) if play.is_under_voltage => "voltage",
             Input::Torques(_) if joint.slides() => "force",
             Input::Torques(_) => "torque",
             Input::Angles(_) if joint.slides() => "carriage",

@@ -85,7 +85,9 @@ fn columns<const N: usize>(histories: [&Vec<f64>; N]) -> Columns<'_> {
 
 fn motor(motor: Option<&MotorHistories>) -> Columns<'_> {
     motor.map_or_else(Vec::new, |motor| {
-        columns([&motor.torque_n_m, &motor.angle_rad, &motor.rate_rad_s, &motor.power_w])
+        let own = [&motor.torque_n_m, &motor.angle_rad, &motor.rate_rad_s, &motor.power_w];
+        let electrical = motor.current_a.iter().chain(&motor.voltage_v);
+        columns(own).into_iter().chain(electrical.map(|own| Cow::from(&own[..]))).collect()
     })
 }
 

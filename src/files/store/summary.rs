@@ -302,7 +302,8 @@ impl Summary {
         let number = |of: &str, key: &str| self.values[of][key].as_f64();
         let solved = number("analysis", "window_start_s").zip(number("analysis", "window_end_s"));
         let played = |input| number(input, "start_s").zip(number(input, "simulated_until_s"));
-        let played = || ["torque", "hub_angle", "force", "carriage"].into_iter().find_map(played);
+        let played =
+            || ["torque", "hub_angle", "force", "carriage", "voltage"].into_iter().find_map(played);
         solved.or_else(played)
     }
 

@@ -148,6 +148,12 @@ impl Mesh {
         &self.relative
     }
 
+    /// The mesh on another joint of the same kind and radius.
+    pub(crate) fn with_joint(mut self, joint: Joint) -> Self {
+        self.bodies.joint = joint;
+        self
+    }
+
     /// Segment of each element.
     pub fn element_segments(&self) -> &[usize] {
         &self.segments

@@ -12,7 +12,7 @@ use crate::link::{Drive, Link};
 use crate::modal::DampingLaw;
 use crate::model::Model;
 use crate::motion::{TAIL_TERMS, TailTerms, TipMotionHistories, TipPeriod, tail_sum};
-use crate::numeric::TimeGrid;
+use crate::numeric::{TimeGrid, largest};
 
 /// Spacing of the low frequencies that determine the power series of a transfer, over the first zero.
 const SPACING: f64 = 0.1;
@@ -28,20 +28,77 @@ pub struct MotorHistories {
     pub rate_rad_s: Vec<f64>,
     /// Mechanical power of the motor in W.
     pub power_w: Vec<f64>,
+    /// Current in A, if the drive has its torque constant.
+    pub current_a: Option<Vec<f64>>,
+    /// Voltage in V, if the drive has its resistance, too.
+    pub voltage_v: Option<Vec<f64>>,
+    /// Torque in N m without losses, if there are any.
+    pub(super) lossless_n_m: Option<Vec<f64>>,
 }
 
 impl MotorHistories {
-    /// The motor under the torque of a joint, from angle, rate and acceleration of the rotor.
+    /// The motor under the torque of a joint that moves at a rate, from angle, rate and acceleration of the rotor.
+    ///
+    /// ```text
+    /// T_m = f(T, x)/n + J φ̈,   i = T_m/k,   u = R i + k φ̇
+    /// ```
+    ///
+    /// f and x are those of [`Drive::with_losses`].
     pub(super) fn of(
         drive: &Drive,
-        joint_n_m: &[f64],
+        [joint_n_m, joint_rate]: [&[f64]; 2],
         [angle_rad, rate_rad_s, acceleration]: [Vec<f64>; 3],
     ) -> Self {
-        let pairs = joint_n_m.iter().zip(&acceleration);
-        let torque_n_m: Vec<f64> =
-            pairs.map(|(t, a)| t / drive.gear_ratio + drive.rotor_inertia_kg_m2 * a).collect();
+        let lossless_n_m = Self::lossless_n_m(drive, joint_n_m, &acceleration);
+        let (torque_n_m, lossless_n_m) = if drive.has_losses() {
+            let friction_rate = drive.friction_rate(largest(joint_rate));
+            let samples = joint_n_m.iter().zip(joint_rate).zip(&acceleration);
+            let lossy = samples.map(|((joint_n_m, rate), acceleration)| {
+                let along = Drive::direction(*rate, friction_rate);
+                drive.motor_n_m(drive.with_losses(*joint_n_m, along).torque, *acceleration)
+            });
+            (lossy.collect(), Some(lossless_n_m))
+        } else {
+            (lossless_n_m, None)
+        };
         let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
-        Self { torque_n_m, angle_rad, rate_rad_s, power_w }
+        let constant = drive.torque_constant_n_m_a;
+        let current_a = constant.map(|k| torque_n_m.iter().map(|t| t / k).collect::<Vec<f64>>());
+        let voltage_v = current_a.as_ref().zip(constant).zip(drive.resistance_ohm);
+        let voltage_v = voltage_v.map(|((current_a, k), resistance_ohm)| {
+            let samples = current_a.iter().zip(&rate_rad_s);
+            samples.map(|(i, rate)| resistance_ohm * i + k * rate).collect()
+        });
+        Self { torque_n_m, angle_rad, rate_rad_s, power_w, current_a, voltage_v, lossless_n_m }
+    }
+
+    /// Torque of the motor in N m without losses, from the joint's torque and the rotor's acceleration.
+    pub(super) fn lossless_n_m(drive: &Drive, joint_n_m: &[f64], acceleration: &[f64]) -> Vec<f64> {
+        joint_n_m.iter().zip(acceleration).map(|(t, a)| drive.motor_n_m(*t, *a)).collect()
+    }
+
+    /// True if friction or gear take part of the torque.
+    pub fn has_losses(&self) -> bool {
+        self.lossless_n_m.is_some()
+    }
+
+    /// Torque without losses, whose errors follow from the spectra.
+    pub(super) fn linear_n_m(&self) -> &Vec<f64> {
+        self.lossless_n_m.as_ref().unwrap_or(&self.torque_n_m)
+    }
+
+    /// All histories by their names.
+    fn named(&self) -> impl Iterator<Item = (&'static str, &Vec<f64>)> {
+        [
+            ("torque", Some(&self.torque_n_m)),
+            ("angle", Some(&self.angle_rad)),
+            ("rate", Some(&self.rate_rad_s)),
+            ("power", Some(&self.power_w)),
+            ("current", self.current_a.as_ref()),
+            ("voltage", self.voltage_v.as_ref()),
+        ]
+        .into_iter()
+        .filter_map(|(name, samples)| Some((name, samples?)))
     }
 }
 
@@ -127,7 +184,7 @@ impl Histories {
             hub_acceleration_rad_s2,
             displacement_m: vec![self.tip.displacement_m.clone()],
             moment_n_m: vec![self.root_moment_n_m.clone()],
-            motor: motor.map(|motor| [motor.torque_n_m.clone(), motor.rate_rad_s.clone()]),
+            motor: motor.map(|motor| [motor.linear_n_m().clone(), motor.rate_rad_s.clone()]),
         }
     }
 
@@ -140,6 +197,8 @@ impl Histories {
     /// φ = n (θ + T/k)      motor angle
     /// T_m = T/n + J φ̈      motor torque
     /// ```
+    ///
+    /// [`MotorHistories::of`] adds the losses.
     ///
     /// # Errors
     /// [`InversionError::MotorNotFinite`].
@@ -169,20 +228,11 @@ impl Histories {
             let motions = hub_motions[order].iter().zip(torque);
             motions.map(|(hub, t)| gear_ratio * (hub + t / joint_stiffness_n_m_rad)).collect()
         });
-        let motor =
-            MotorHistories::of(drive, &self.torque_n_m, [angle_rad, rate_rad_s, acceleration]);
-        let histories = [
-            ("torque", &motor.torque_n_m),
-            ("angle", &motor.angle_rad),
-            ("rate", &motor.rate_rad_s),
-            ("power", &motor.power_w),
-        ];
-        for (history, samples) in histories {
-            if samples.iter().any(|sample| !sample.is_finite()) {
-                return Err(InversionError::MotorNotFinite { history });
-            }
-        }
-        Ok(motor)
+        let joint = [&self.torque_n_m[..], &self.hub_rate_rad_s];
+        let motor = MotorHistories::of(drive, joint, [angle_rad, rate_rad_s, acceleration]);
+        let lost = |(_, samples): &(_, &Vec<f64>)| samples.iter().any(|sample| !sample.is_finite());
+        let lost = motor.named().find(lost).map(|(history, _)| history);
+        lost.map_or(Ok(motor), |history| Err(InversionError::MotorNotFinite { history }))
     }
 }
 

@@ -323,7 +323,7 @@ impl LinkProblem<'_> {
             shape: None,
             model: answering.model,
         };
-        Ok(Solution {
+        let solution = Solution {
             arm: link.link().clone().into(),
             motion: Motion::Tip(self.motion.clone()),
             analysis: *self.analysis,
@@ -344,7 +344,8 @@ impl LinkProblem<'_> {
                 hub_tail: answering.hub_tail,
                 shape: bent.map(|bent| Arc::new(bent.shape)),
             }),
-        })
+        };
+        Ok(solution.with_losses())
     }
 }
 

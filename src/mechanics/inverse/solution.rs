@@ -12,11 +12,11 @@ use super::spectra::{DrivenModel, HubSpectra};
 use super::warning::{SolutionWarning, Straying};
 use crate::beam::Mesh;
 use crate::elastica::{AngleHistories, ElasticaMotion, Iteration, SecondOrder};
-use crate::link::{Arm, Link};
+use crate::link::{Arm, Drive, Link};
 use crate::modal::{DampingLaw, reported_frequencies, reported_zeros, reports_weight};
 use crate::model::Model;
 use crate::motion::{Ends, Motion, TailTerms, TipMotionHistories, TipPeriod, TipSpectrum};
-use crate::numeric::{Size, TimeGrid};
+use crate::numeric::{Size, TimeGrid, largest};
 
 /// Frequencies that were solved for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -334,6 +334,64 @@ impl Solution {
     pub fn worst(&self, kind: impl Fn(&QuantityErrors) -> f64) -> f64 {
         let errors = self.joints.iter().flat_map(|joint| joint.errors.iter());
         errors.map(|(_, errors)| kind(&errors)).fold(0.0, Size::larger)
+    }
+
+    /// The solution whose motors' torques have the errors that losses add to them.
+    pub(super) fn with_losses(mut self) -> Self {
+        for number in 0..self.links.len() {
+            let drive = self.arm.links()[number].link.drive().copied();
+            if let Some(drive) = drive.filter(Drive::has_losses) {
+                self.joints[number].errors = self.errors_with_losses(number, &drive);
+            }
+        }
+        self
+    }
+
+    /// Errors of a joint whose motor has losses. Those of the torque in front of the gear follow from the errors of the
+    /// joint's torque and rate by the slopes of the losses; the window also cuts off the friction beyond it.
+    fn errors_with_losses(&self, number: usize, drive: &Drive) -> PerQuantity<QuantityErrors> {
+        let joint @ JointMotion { torque_n_m, rate_rad_s, errors, .. } = &self.joints[number];
+        let Some((motor, own)) = joint.motor.as_ref().zip(errors.motor_torque) else {
+            return *errors;
+        };
+        let friction_rate = drive.friction_rate(largest(rate_rad_s));
+        let lossy = |k: usize, away_rad_s: f64| {
+            let rate = rate_rad_s[k].abs();
+            let [along, other] =
+                [rate, rate - away_rad_s].map(|rate| Drive::direction(rate, friction_rate));
+            (drive.with_losses(torque_n_m[k], along.copysign(rate_rad_s[k])), along - other)
+        };
+        let sizes = [&motor.torque_n_m, motor.linear_n_m(), torque_n_m, rate_rad_s];
+        let [size, linear, joint_n_m, rate_size] = sizes.map(|own| self.size_of(own));
+        let with = |own: f64, torque: f64, rate: f64| {
+            let (torque_n_m, away_rad_s) = (torque * joint_n_m, rate * rate_size);
+            let worst = (0..self.grid.len).map(|k| {
+                let (lossy, turned) = lossy(k, away_rad_s);
+                (lossy.per_torque - 1.0).abs() * torque_n_m + lossy.per_direction.abs() * turned
+            });
+            let worst = worst.fold(0.0, Size::larger);
+            if size == 0.0 { own } else { (own * linear + worst / drive.gear_ratio) / size }
+        };
+        let of_kind = |kind: fn(&QuantityErrors) -> Option<f64>| {
+            let [torque, rate] = [&errors.torque, &errors.hub_rate].map(&kind);
+            kind(&own).map(|own| with(own, torque.unwrap_or(0.0), rate.unwrap_or(0.0)))
+        };
+        let beyond = [0, self.grid.len - 1].map(|k| {
+            let (held, (moving, _)) = (drive.with_losses(torque_n_m[k], 0.0), lossy(k, 0.0));
+            (moving.torque - held.torque).abs() / drive.gear_ratio / size
+        });
+        let is_cut = self.motion.ends() == Ends::AtRest && size > 0.0;
+        let beyond = if is_cut { beyond[0].max(beyond[1]) } else { 0.0 };
+        let lossy = QuantityErrors {
+            mesh: of_kind(|own| Some(own.mesh)).unwrap_or_default(),
+            window: of_kind(|own| Some(own.window)).unwrap_or_default() + beyond,
+            step: of_kind(|own| own.step),
+            iteration: of_kind(|own| own.iteration),
+            modes: of_kind(|own| own.modes),
+            input: of_kind(|own| own.input),
+            model: of_kind(|own| own.model),
+        };
+        PerQuantity { motor_torque: Some(lossy), ..*errors }
     }
 
     /// Reference of a history's errors: its peak or, with gravity, its largest value less its smallest.

@@ -128,9 +128,11 @@ impl DrivenModel<'_> {
     /// φ̇ = n (θ̇ + Ṫ/k),   θ̇̂ = v̂/L + iω θ̃̂
     /// T̂_m = T̂/n + J φ̈
     /// ```
+    ///
+    /// Losses are not linear: they join the histories, in [`MotorHistories`](super::MotorHistories).
     pub(super) fn motor_spectra(&self, hub: &HubSpectra) -> Option<MotorSpectra> {
         let drive = *self.model.link().drive()?;
-        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = drive;
+        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio, .. } = drive;
         let per_rigid_tip = 1.0 / self.model.mesh().rigid_tip();
         let spectrum = &self.period.spectrum;
         let amplitudes = |(k, omega): (usize, &f64)| {

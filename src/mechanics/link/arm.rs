@@ -169,6 +169,49 @@ impl Arm {
         Self { parts: ArmParts { carriage: None, ..self.parts.clone() } }
     }
 
+    /// This arm with the rotors of its motors, and the friction of their back voltages, at the joints; a voltage then acts
+    /// as the torque [`Drive::effort_per_volt`] per volt.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for a joint without the motor's constants, or with a motor that does not act as inertia and friction
+    /// of its joint: behind an elastic joint, on a moving link, or on a carriage with weight.
+    pub fn under_voltages(&self) -> Result<Self, ParameterError> {
+        let refused = |number: usize, key: &str, found: &str, must: &str| {
+            let path = self.pick(String::new(), format!("links.{number}."));
+            Err(ParameterError::new(format!("{path}drive.{key}"), found, "", must))
+        };
+        let must = "must be there: a voltage acts through it";
+        let mut parts = self.parts.clone();
+        for (number, ArmLink { link, .. }) in parts.links.iter_mut().enumerate() {
+            let drive = link.drive().copied().unwrap_or_default();
+            let Some(friction) = drive.back_friction() else {
+                let is_missing = drive.torque_constant_n_m_a.is_none();
+                let key = if is_missing { "torque_constant" } else { "resistance" };
+                return refused(number, key, "nothing", must);
+            };
+            if drive.joint_stiffness_n_m_rad.is_finite() {
+                let must = "must be inf: a voltage is played on stiff joints alone";
+                return refused(number, "joint_stiffness", "finite", must);
+            }
+            if drive.rotor_inertia_kg_m2 > 0.0 && number > 0 {
+                let must =
+                    "must be 0 beyond the first joint, whose rotor alone turns on the ground";
+                return refused(number, "rotor_inertia", "above 0", must);
+            }
+            if drive.rotor_inertia_kg_m2 > 0.0 && link.joint().slides() && link.has_weight() {
+                let must =
+                    "must be 0 on a carriage with weight: the rotor moves, but does not weigh";
+                return refused(number, "rotor_inertia", "above 0", must);
+            }
+            *link = link.with_joint(drive.rotor_at_joint(), friction)?;
+        }
+        if self.carriage().is_some() {
+            let must = "must not be there: it has no motor for a voltage";
+            return Err(ParameterError::new("carriage", "a carriage below an arm", "", must));
+        }
+        Ok(Self { parts })
+    }
+
     /// All joints with an effort: those of the links, the inner one first, then the carriage of an arm.
     pub fn joints(&self) -> impl Iterator<Item = Joint> {
         let carriage = self.carriage().map(|own| Joint::Prismatic(own.carriage));

@@ -3,12 +3,14 @@
 use super::parts::{Carriage, Hub};
 
 /// Parts of names of a hub, and those of a carriage in their place; longer ones stand first.
-const NAMES: [(&str, &str); 12] = [
+const NAMES: [(&str, &str); 14] = [
     ("hub_acceleration_rad_s2", "carriage_acceleration_m_s2"),
     ("hub_acceleration", "carriage_acceleration"),
     ("gear_ratio", "gear_ratio_rad_m"),
     ("hub_angle_rad", "carriage_travel_m"),
     ("hub_rate_rad_s", "carriage_speed_m_s"),
+    ("friction_rate_rad_s", "friction_rate_m_s"),
+    ("friction_n_m", "friction_n"),
     ("torque_n_m", "force_n"),
     ("stiffness_n_m_rad", "stiffness_n_m"),
     ("damping_n_m_s_rad", "damping_n_s_m"),
@@ -107,7 +109,8 @@ impl Joint {
 
     /// The name of a number, column or key for this joint, from its name for a hub. Names of motors and moments stay.
     pub fn named(&self, name: &str) -> String {
-        let stays = !self.slides() || name.contains("motor") || name.contains("moment");
+        let of_motor = ["motor", "moment", "torque_constant"].iter().any(|own| name.contains(own));
+        let stays = !self.slides() || of_motor;
         let pairs = NAMES.iter().filter(|_| !stays);
         pairs.fold(name.to_owned(), |name, (of_hub, own)| name.replace(of_hub, own))
     }

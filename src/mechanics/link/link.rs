@@ -138,7 +138,8 @@ impl Link {
             return Err(ParameterError::new("payload.offset", offset_m, "m", "must be finite"));
         }
         parts.damping.check()?;
-        parts.drive.as_ref().map_or(Ok(()), Drive::check)?;
+        let slides = parts.carriage.is_some();
+        parts.drive.as_ref().map_or(Ok(()), |drive| drive.check(slides))?;
         parts.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
         link.check_movable()?;
         parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
@@ -195,6 +196,22 @@ impl Link {
     /// Gear and elastic joint between motor and hub, if the link has a drive.
     pub fn drive(&self) -> Option<&Drive> {
         self.parts.drive.as_ref()
+    }
+
+    /// The link with further inertia and viscous friction of its joint.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for sums that are not finite.
+    pub fn with_joint(&self, inertia: f64, friction: f64) -> Result<Self, ParameterError> {
+        let mut parts = self.parts.clone();
+        if let Some(carriage) = &mut parts.carriage {
+            carriage.mass_kg += inertia;
+            carriage.viscous_friction_n_s_m += friction;
+        } else {
+            parts.hub.inertia_kg_m2 += inertia;
+            parts.hub.viscous_friction_n_m_s_rad += friction;
+        }
+        Self::new(parts)
     }
 
     /// Stiffness in N m/rad between rotor and hub; infinite for a rigid joint or without a drive.
@@ -616,6 +633,7 @@ mod tests {
                 joint_stiffness_n_m_rad: f64::INFINITY,
                 rotor_inertia_kg_m2: 1e-4,
                 gear_ratio: 80.0,
+                ..Drive::DIRECT
             })
             .gravity([0.0, -9.81], 0.5)
             .build()

@@ -16,6 +16,8 @@ pub use joint::Joint;
 pub use link::{Link, LinkParts};
 #[cfg(test)]
 pub(crate) use link::{uniform, uniform_segment};
-pub use parts::{Carriage, Damping, Drive, Gravity, Hub, LumpedMass, ParameterError, Payload};
+pub use parts::{
+    Carriage, Damping, Drive, Gravity, Hub, Lossy, LumpedMass, MotorKnown, ParameterError, Payload,
+};
 pub(crate) use parts::{POSITION_TOLERANCE, in_unit_interval, not_negative, positive};
 pub use segment::{CrossSection, Section, Segment, Taper, Timoshenko};

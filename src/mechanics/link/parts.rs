@@ -101,10 +101,10 @@ impl Carriage {
     }
 }
 
-/// Gear and elastic joint between motor and hub, or gear, pinion and belt between motor and carriage.
+/// Motor, gear and elastic joint that drive a hub, or motor, gear, pinion and belt of a carriage.
 ///
 /// The rotor turns on the motor side of the gear. The joint's spring sits on the link's side and carries the hub's
-/// torque, or the force on the carriage.
+/// torque, or the force on the carriage. Losses and the motor's constants act on the quantities of the motor alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drive {
@@ -118,6 +118,36 @@ pub struct Drive {
     /// the gear ratio over the radius of the pinion.
     #[serde(alias = "gear_ratio_rad_m")]
     pub gear_ratio: f64,
+    /// Efficiency η of the gear, from 1e-6 to 1, in both directions of the power.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub efficiency: f64,
+    /// Coulomb friction τ of the joint in N m, of a carriage in N, from 0 to 1e30.
+    #[serde(default, skip_serializing_if = "is_zero", alias = "coulomb_friction_n")]
+    pub coulomb_friction_n_m: f64,
+    /// Rate of the joint in rad/s, of a carriage in m/s, at which 76 % of the losses' change of sign is done; `None`:
+    /// 1 % of the joint's peak rate.
+    #[serde(default, skip_serializing_if = "Option::is_none", alias = "friction_rate_m_s")]
+    pub friction_rate_rad_s: Option<f64>,
+    /// Torque constant k of the motor in N m/A, from 1e-30 to 1e30.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_constant_n_m_a: Option<f64>,
+    /// Resistance R of the motor in Ω, from 1e-30 to 1e30.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resistance_ohm: Option<f64>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, clippy::float_cmp, reason = "serde; an exact default")]
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Reads a joint stiffness; null is infinite, because JSON has no infinity.
@@ -125,21 +155,63 @@ fn null_is_stiff<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::E
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
+impl Default for Drive {
+    fn default() -> Self {
+        Self::DIRECT
+    }
+}
+
+/// Largest value of a drive's quantities, and the inverse of the least one that must be above 0.
+const MOST: f64 = 1e30;
+
 impl Drive {
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
+    /// A stiff joint without gear, rotor, losses and constants of the motor.
+    pub const DIRECT: Self = Self {
+        joint_stiffness_n_m_rad: f64::INFINITY,
+        rotor_inertia_kg_m2: 0.0,
+        gear_ratio: 1.0,
+        efficiency: 1.0,
+        coulomb_friction_n_m: 0.0,
+        friction_rate_rad_s: None,
+        torque_constant_n_m_a: None,
+        resistance_ohm: None,
+    };
+
+    pub(super) fn check(&self, slides: bool) -> Result<(), ParameterError> {
         let stiffness = self.joint_stiffness_n_m_rad;
-        let most = if stiffness == f64::INFINITY { stiffness } else { 1e30 };
+        let most = if stiffness == f64::INFINITY { stiffness } else { MOST };
         let of_stiffness = "must lie from 1e-30 to 1e30 N m/rad, or be inf for a stiff joint";
+        let [effort, rate] = if slides { ["N", "m/s"] } else { ["N m", "rad/s"] };
+        let above_zero = |unit: &str| format!("must lie from 1e-30 to 1e30 {unit}");
+        let positive = MOST.recip()..=MOST;
+        let (of_rate, of_constant) = (self.friction_rate_rad_s, self.torque_constant_n_m_a);
         for (key, value, range, unit, must) in [
-            ("joint_stiffness", stiffness, 1e-30..=most, "N m/rad", of_stiffness),
+            ("joint_stiffness", stiffness, MOST.recip()..=most, "N m/rad", of_stiffness.to_owned()),
             (
                 "rotor_inertia",
                 self.rotor_inertia_kg_m2,
-                0.0..=1e30,
+                0.0..=MOST,
                 "kg m^2",
-                "must lie from 0 to 1e30 kg m^2",
+                "must lie from 0 to 1e30 kg m^2".to_owned(),
             ),
-            ("gear_ratio", self.gear_ratio, 1e-6..=1e6, "", "must lie from 1e-6 to 1e6"),
+            ("gear_ratio", self.gear_ratio, 1e-6..=1e6, "", "must lie from 1e-6 to 1e6".to_owned()),
+            ("efficiency", self.efficiency, 1e-6..=1.0, "", "must lie from 1e-6 to 1".to_owned()),
+            (
+                "coulomb_friction",
+                self.coulomb_friction_n_m,
+                0.0..=MOST,
+                effort,
+                format!("must lie from 0 to 1e30 {effort}"),
+            ),
+            ("friction_rate", of_rate.unwrap_or(1.0), positive.clone(), rate, above_zero(rate)),
+            (
+                "torque_constant",
+                of_constant.unwrap_or(1.0),
+                positive.clone(),
+                "N m/A",
+                above_zero("N m/A"),
+            ),
+            ("resistance", self.resistance_ohm.unwrap_or(1.0), positive, "ohm", above_zero("ohm")),
         ] {
             if !range.contains(&value) {
                 // In scientific notation: 1e200 has 200 digits.
@@ -147,8 +219,106 @@ impl Drive {
                 return Err(ParameterError::new(format!("drive.{key}"), value, unit, must));
             }
         }
-        Ok(())
+        match (self.resistance_ohm, of_constant) {
+            (Some(resistance), None) => {
+                let must =
+                    "must come with drive.torque_constant, which makes a current of the torque";
+                Err(ParameterError::new("drive.resistance", resistance, "ohm", must))
+            }
+            _ => Ok(()),
+        }
     }
+
+    /// The quantities of the motor that its constants give.
+    pub fn known(&self) -> MotorKnown {
+        match (self.torque_constant_n_m_a, self.resistance_ohm) {
+            (Some(_), Some(_)) => MotorKnown::Voltage,
+            (Some(_), None) => MotorKnown::Current,
+            (None, _) => MotorKnown::Torque,
+        }
+    }
+
+    /// Inertia n² J of the rotor at the joint: in kg m², at a carriage in kg.
+    pub fn rotor_at_joint(&self) -> f64 {
+        self.gear_ratio * self.gear_ratio * self.rotor_inertia_kg_m2
+    }
+
+    /// Torque at the joint per volt, n k/R; of a carriage in N/V. `None` without the motor's constants.
+    pub fn effort_per_volt(&self) -> Option<f64> {
+        Some(self.gear_ratio * self.torque_constant_n_m_a? / self.resistance_ohm?)
+    }
+
+    /// Viscous friction (n k)²/R of the motor's back voltage at the joint in N m s/rad, at a carriage in N s/m. `None`
+    /// without the motor's constants.
+    pub fn back_friction(&self) -> Option<f64> {
+        Some(self.gear_ratio * self.torque_constant_n_m_a? * self.effort_per_volt()?)
+    }
+
+    /// True if friction or gear takes energy.
+    pub fn has_losses(&self) -> bool {
+        self.coulomb_friction_n_m > 0.0 || self.efficiency < 1.0
+    }
+
+    /// Rate of the joint by which the losses change their sign, where it moves at up to `peak_rate`.
+    pub fn friction_rate(&self, peak_rate: f64) -> f64 {
+        self.friction_rate_rad_s.unwrap_or(FRICTION_SHARE * peak_rate)
+    }
+
+    /// Direction x of a joint's rate, from −1 to 1: `tanh(rate/friction rate)`.
+    pub fn direction(rate: f64, friction_rate: f64) -> f64 {
+        if rate == 0.0 { 0.0 } else { libm::tanh(rate / friction_rate) }
+    }
+
+    /// Torque of the motor in N m, from the torque at the input of its gear, in front of the ratio, and the acceleration of
+    /// the rotor in rad/s².
+    pub(crate) fn motor_n_m(&self, geared_n_m: f64, acceleration_rad_s2: f64) -> f64 {
+        geared_n_m / self.gear_ratio + self.rotor_inertia_kg_m2 * acceleration_rad_s2
+    }
+
+    /// Torque at the input of the gear, in front of its ratio, for the torque `joint_n_m` at the joint, and its slopes.
+    /// `along` is the [`direction`](Self::direction) x of the joint's rate.
+    ///
+    /// ```text
+    /// T' = T + τ x,   f = a T' + b |T'| x,   a = (1/η + η)/2,   b = (1/η − η)/2
+    /// ```
+    ///
+    /// So f is `T'/η` where the motor drives at full rate, and `η T'` where it brakes.
+    pub fn with_losses(&self, joint_n_m: f64, along: f64) -> Lossy {
+        let inverse = self.efficiency.recip();
+        let [mean, half] = [0.5 * (inverse + self.efficiency), 0.5 * (inverse - self.efficiency)];
+        let loaded = joint_n_m + self.coulomb_friction_n_m * along;
+        let per_torque = mean + half * along.copysign(along * loaded);
+        Lossy {
+            torque: mean * loaded + half * loaded.abs() * along,
+            per_torque,
+            per_direction: per_torque * self.coulomb_friction_n_m + half * loaded.abs(),
+        }
+    }
+}
+
+/// Share of a joint's peak rate by which losses change their sign, unless the drive has its rate.
+const FRICTION_SHARE: f64 = 0.01;
+
+/// Quantities of a motor by the constants that they need; each includes those before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MotorKnown {
+    /// Torque and rate.
+    Torque,
+    /// Also the current: the torque constant is known.
+    Current,
+    /// Also the voltage: the resistance is known, too.
+    Voltage,
+}
+
+/// Torque at the input of a gear with losses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lossy {
+    /// The torque in front of the gear's ratio.
+    pub torque: f64,
+    /// Its slope by the torque at the joint.
+    pub per_torque: f64,
+    /// Its slope by the direction of the joint's rate.
+    pub per_direction: f64,
 }
 
 /// Gravity in the plane of motion, and the pose where displacements start.
@@ -367,25 +537,23 @@ mod tests {
 
     #[test]
     fn a_stiff_joint_is_a_joint_and_none_is_not() {
-        let drive = |joint_stiffness_n_m_rad| Drive {
-            joint_stiffness_n_m_rad,
-            rotor_inertia_kg_m2: 0.0,
-            gear_ratio: 1.0,
+        let check = |joint_stiffness_n_m_rad| {
+            Drive { joint_stiffness_n_m_rad, ..Drive::default() }.check(false)
         };
-        assert!(drive(f64::INFINITY).check().is_ok());
+        assert!(check(f64::INFINITY).is_ok());
         assert_eq!(
-            drive(0.0).check().unwrap_err().to_string(),
+            check(0.0).unwrap_err().to_string(),
             "drive.joint_stiffness = 0.0 N m/rad, but must lie from 1e-30 to 1e30 N m/rad, or be \
              inf for a stiff joint"
         );
-        assert!(drive(f64::NAN).check().is_err() && drive(-f64::INFINITY).check().is_err());
+        assert!(check(f64::NAN).is_err() && check(-f64::INFINITY).is_err());
     }
 
     #[test]
     fn what_leaves_double_precision_on_the_way_to_the_motor_is_refused_by_name() {
         let drive =
-            Drive { joint_stiffness_n_m_rad: 1e3, rotor_inertia_kg_m2: 1e-4, gear_ratio: 1.0 };
-        let refusal = |drive: Drive| drive.check().unwrap_err().to_string();
+            Drive { joint_stiffness_n_m_rad: 1e3, rotor_inertia_kg_m2: 1e-4, ..Drive::default() };
+        let refusal = |drive: Drive| drive.check(false).unwrap_err().to_string();
         assert_eq!(
             refusal(Drive { gear_ratio: 1e200, ..drive }),
             "drive.gear_ratio = 1e200, but must lie from 1e-6 to 1e6"
@@ -397,8 +565,47 @@ mod tests {
         let soft = Drive { joint_stiffness_n_m_rad: 5e-324, ..drive };
         assert!(refusal(soft).starts_with("drive.joint_stiffness = 5e-324 N m/rad, but"));
         for gear_ratio in [-2.0, 0.0, f64::NAN, f64::INFINITY] {
-            assert!(Drive { gear_ratio, ..drive }.check().is_err(), "{gear_ratio}");
+            assert!(Drive { gear_ratio, ..drive }.check(false).is_err(), "{gear_ratio}");
         }
+    }
+
+    #[test]
+    fn losses_and_constants_out_of_range_are_refused_in_the_joints_units() {
+        let refusal = |drive: Drive, slides| drive.check(slides).map_err(|error| error.to_string());
+        let friction = Drive { coulomb_friction_n_m: -1.0, ..Drive::DIRECT };
+        let message = |unit: &str| {
+            format!("drive.coulomb_friction = -1.0 {unit}, but must lie from 0 to 1e30 {unit}")
+        };
+        assert_eq!(refusal(friction, false), Err(message("N m")));
+        assert_eq!(refusal(friction, true), Err(message("N")));
+        for efficiency in [0.0, -0.5, 1.01, f64::NAN] {
+            assert!(Drive { efficiency, ..Drive::DIRECT }.check(false).is_err(), "{efficiency}");
+        }
+        let alone = Drive { resistance_ohm: Some(2.0), ..Drive::DIRECT };
+        let must = "must come with drive.torque_constant, which makes a current of the torque";
+        assert_eq!(refusal(alone, false), Err(format!("drive.resistance = 2 ohm, but {must}")));
+        assert!(refusal(Drive { torque_constant_n_m_a: Some(0.1), ..alone }, false).is_ok());
+    }
+
+    /// Slopes against differences, on both sides of a change of direction and of load.
+    #[test]
+    fn the_slopes_of_losses_are_those_of_their_torque() {
+        let drive = Drive { efficiency: 0.7, coulomb_friction_n_m: 0.4, ..Drive::DIRECT };
+        let torque = |joint_n_m: f64, along: f64| drive.with_losses(joint_n_m, along).torque;
+        let step = 1e-6;
+        for (joint_n_m, along) in [(1.0, 0.6), (1.0, -0.9), (-2.0, 0.3), (-0.1, -0.7)] {
+            let found = drive.with_losses(joint_n_m, along);
+            let slope = |up: f64, down: f64| (up - down) / (2.0 * step);
+            let per_torque =
+                slope(torque(joint_n_m + step, along), torque(joint_n_m - step, along));
+            let per_direction =
+                slope(torque(joint_n_m, along + step), torque(joint_n_m, along - step));
+            assert!((found.per_torque - per_torque).abs() < 1e-8, "{found:?}");
+            assert!((found.per_direction - per_direction).abs() < 1e-8, "{found:?}");
+        }
+        assert!((torque(1.0, 1.0) - 1.4 / 0.7).abs() < 1e-15);
+        assert!((torque(1.0, -1.0) - 0.6 * 0.7).abs() < 1e-15);
+        assert_eq!(Drive::direction(0.0, 0.0).to_bits(), 0);
     }
 
     fn refusal(law: &Damping) -> String {

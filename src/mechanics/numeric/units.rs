@@ -277,12 +277,13 @@ fn described(unit: &str, dimension: Dimension) -> String {
     dimension.name().map_or_else(|| format!("measured in {}", visible(&excerpt(unit))), Into::into)
 }
 
-/// Exponents of mass, length and time in a unit; an angle is a pure number.
+/// Exponents of mass, length, time and electric current in a unit; an angle is a pure number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Dimension {
     mass: i8,
     length: i8,
     time: i8,
+    current: i8,
 }
 
 impl Dimension {
@@ -328,9 +329,21 @@ impl Dimension {
     pub const SLIDING_FRICTION: Self = Self::new(1, 0, -1);
     /// W
     pub const POWER: Self = Self::new(1, 2, -3);
+    /// A
+    pub const CURRENT: Self = Self::electric(0, 0, 0, 1);
+    /// V
+    pub const VOLTAGE: Self = Self::electric(1, 2, -3, -1);
+    /// Ω
+    pub const RESISTANCE: Self = Self::electric(1, 2, -3, -2);
+    /// N m/A, also V s per angle
+    pub const TORQUE_CONSTANT: Self = Self::electric(1, 2, -2, -1);
 
     pub(crate) const fn new(mass: i8, length: i8, time: i8) -> Self {
-        Self { mass, length, time }
+        Self::electric(mass, length, time, 0)
+    }
+
+    pub(crate) const fn electric(mass: i8, length: i8, time: i8, current: i8) -> Self {
+        Self { mass, length, time, current }
     }
 
     /// SI unit as this program writes it; empty for a pure number and for a dimension that this program does not use.
@@ -371,6 +384,10 @@ impl Dimension {
             Self::VISCOUS_FRICTION => ("a viscous friction", "N m s/rad"),
             Self::SLIDING_FRICTION => ("a sliding friction", "N s/m"),
             Self::POWER => ("a power", "W"),
+            Self::CURRENT => ("a current", "A"),
+            Self::VOLTAGE => ("a voltage", "V"),
+            Self::RESISTANCE => ("a resistance", "ohm"),
+            Self::TORQUE_CONSTANT => ("a torque constant", "N m/A"),
             _ => return None,
         })
     }
@@ -382,6 +399,7 @@ impl Dimension {
             mass: exponent(self.mass, other.mass)?,
             length: exponent(self.length, other.length)?,
             time: exponent(self.time, other.time)?,
+            current: exponent(self.current, other.current)?,
         })
     }
 }
@@ -463,13 +481,26 @@ const KNOWN: [KnownUnit; 51] = [
     unit("μs", 1.0, -6, Dimension::TIME),
 ];
 
+/// Electrical units. A heading of a column is not searched for them, as `v` is a velocity there.
+const ELECTRICAL: [KnownUnit; 9] = [
+    unit("A", 1.0, 0, Dimension::CURRENT),
+    unit("mA", 1.0, -3, Dimension::CURRENT),
+    unit("V", 1.0, 0, Dimension::VOLTAGE),
+    unit("mV", 1.0, -3, Dimension::VOLTAGE),
+    unit("kV", 1.0, 3, Dimension::VOLTAGE),
+    unit("ohm", 1.0, 0, Dimension::RESISTANCE),
+    unit("mohm", 1.0, -3, Dimension::RESISTANCE),
+    unit("Ω", 1.0, 0, Dimension::RESISTANCE),
+    unit("mΩ", 1.0, -3, Dimension::RESISTANCE),
+];
+
 const DAY: &str = "d";
 
 const PSI: f64 = 44_482_216_152_605.0 / (254.0 * 254.0);
 
 /// The unit with this symbol.
 fn known(symbol: &str) -> Option<&'static KnownUnit> {
-    KNOWN.iter().find(|unit| unit.symbol == symbol)
+    KNOWN.iter().chain(&ELECTRICAL).find(|unit| unit.symbol == symbol)
 }
 
 /// The known symbol spelt most like `word`, if one is near.
@@ -527,7 +558,7 @@ const POWER: &str = r"((\^|\*\*)[+-]?[0-9]{1,2}|⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹
 /// It matches all that [`parse_quantity`](super::parse_quantity) reads, except signs outside `sign` and powers of more
 /// than two digits.
 pub(crate) fn quantity_pattern(sign: &str) -> String {
-    let symbols: Vec<&str> = KNOWN.iter().map(|unit| unit.symbol).collect();
+    let symbols: Vec<&str> = KNOWN.iter().chain(&ELECTRICAL).map(|unit| unit.symbol).collect();
     let factor = format!("({}){POWER}", symbols.join("|"));
     // Contains the units only once, because editors show the whole expression.
     format!(r"^\s*{sign}{NUMBER}\s*(/\s*)?({factor}(\s*[*/·⋅]\s*(?=\S)|\s+|$))+$")

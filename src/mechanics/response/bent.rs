@@ -8,6 +8,7 @@ use super::radau::Motion;
 use super::shape::direction;
 use super::state::State;
 use super::stepper::Record;
+use crate::link::Drive;
 use crate::motion::TipMotionHistories;
 use crate::numeric::{Size, TimeGrid};
 
@@ -18,8 +19,11 @@ const ROUND_OFF: f64 = 1e-9;
 /// root against x.
 #[derive(Debug, Clone)]
 pub struct JointMotion {
-    /// Torque of the motor in N m, feedback included; friction takes part of it.
+    /// Torque of the motor in N m, feedback included; friction takes part of it. Under a voltage the torque at the joint,
+    /// behind rotor and losses.
     pub torque_n_m: Vec<f64>,
+    /// Under a voltage, torque in N m in front of rotor and back voltage, less the losses.
+    pub net_n_m: Option<Vec<f64>>,
     /// Angle in rad.
     pub angle_rad: Vec<f64>,
     /// Rate in rad/s.
@@ -28,6 +32,19 @@ pub struct JointMotion {
     pub acceleration_rad_s2: Vec<f64>,
     /// Torque in N m that holds bent links at their start.
     pub holding_n_m: Option<f64>,
+}
+
+impl JointMotion {
+    /// The motion with the torque at the joint, behind rotor and back voltage of a motor.
+    pub(super) fn behind(self, drive: &Drive) -> Self {
+        let (friction, rotor) = (drive.back_friction().unwrap_or(0.0), drive.rotor_at_joint());
+        let motions = self.rate_rad_s.iter().zip(&self.acceleration_rad_s2);
+        let torques = self.torque_n_m.iter().zip(motions);
+        let at_joint =
+            torques.map(|(net, (rate, turning))| net - friction * rate - rotor * turning);
+        let torque_n_m = at_joint.collect();
+        Self { net_n_m: Some(self.torque_n_m), torque_n_m, ..self }
+    }
 }
 
 /// Motion of links that bend as elasticas.
@@ -83,6 +100,7 @@ impl BentMotion {
         let (links, column) = (linkage.links.len(), || Vec::with_capacity(samples));
         let joint = |holding_n_m| JointMotion {
             torque_n_m: column(),
+            net_n_m: None,
             angle_rad: column(),
             rate_rad_s: column(),
             acceleration_rad_s2: column(),

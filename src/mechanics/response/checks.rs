@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::bent::{BentMotion, JointMotion};
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
 use super::history::{APART_RAD, Torque};
-use super::modes::{MOST_MODES, kept_modes};
+use super::modes::{Equations, MOST_MODES, kept_modes};
 use super::play::{Input, Play};
 use super::played::{Played, PlayedBy, PlayedLink};
 use super::stepper::Stepper;
@@ -50,7 +50,10 @@ impl Played {
     /// the elements in the shape and rate of the summed modes.
     pub fn energy(&self, count: usize) -> EnergyAccount {
         let power_w = |sample: usize| {
-            self.joints.iter().map(|own| own.torque_n_m[sample] * own.rate_rad_s[sample]).sum()
+            let work_w = |own: &JointMotion| {
+                own.net_n_m.as_ref().unwrap_or(&own.torque_n_m)[sample] * own.rate_rad_s[sample]
+            };
+            self.joints.iter().map(work_w).sum()
         };
         let motor: Vec<f64> = (0..self.grid.len).map(power_w).collect();
         let lost: Vec<f64> = (0..self.grid.len).map(|sample| self.loss_w(sample)).collect();
@@ -184,7 +187,8 @@ impl PlayError {
         let were_cut = modes.selection.modes >= MOST_MODES;
         let most_modes = if were_cut { 2 * MOST_MODES } else { MOST_MODES };
         let (basis, _) = kept_modes(&mesh, modes.band_rad_s, most_modes);
-        let equations = play.equations(link, (&mesh, &law), basis)?;
+        let losses = modes.equations.losses;
+        let equations = Equations { losses, ..play.equations(link, (&mesh, &law), basis)? };
         let driving = play.driving((0, link), play.zero_of_state_rad(link), link.has_weight())?;
         let mut played_samples = tip.displacement_m.iter().zip(&turned);
         let (mut tip_m, mut hub_rad) = (0.0_f64, 0.0_f64);

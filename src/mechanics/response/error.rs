@@ -109,6 +109,11 @@ pub enum SimulationError {
         /// Bytes allowed.
         allowed: usize,
     },
+    /// Losses of a drive where they are not computed.
+    #[error(
+        "the drive under a voltage has losses, which are computed for a linear link alone, but {0}"
+    )]
+    Losses(&'static str),
     /// Steps too long for the motion.
     #[error("the motion does not converge at {} s", rounded(*time_s, 12))]
     NotConverged {
@@ -145,6 +150,10 @@ impl SimulationError {
             }
             Self::State { .. } => "use a state that --save-state of this link wrote",
             Self::NoRest => "use a stiffer link, or another start_angle",
+            Self::Losses(_) => {
+                "without losses: --set drive.efficiency=1 --set drive.coulomb_friction=0; the linear link: \
+                 analysis.second_order = \"none\" without gravity"
+            }
             Self::MasslessHub => "set hub.inertia above 0, however small",
             Self::NoTorque | Self::NoTurn => return None,
         })
@@ -167,6 +176,15 @@ const STEPS_IN_A_PERIOD: f64 = 8.0;
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum SimulationWarning {
+    /// Losses of a drive that change their sign faster than the shortest steps.
+    #[error(
+        "the losses of the drive are too steep for the step: halving it changes the motion by {:.1} %",
+        100.0 * change
+    )]
+    CoarseLosses {
+        /// Largest change of tip or hub by the last halved step, over its motion.
+        change: f64,
+    },
     /// A torque that does not begin at zero.
     #[error(
         "the torque begins with {:?} N m, {:.1} % of its peak: it acts on the resting link as a jump",
@@ -356,6 +374,7 @@ impl SimulationWarning {
             Self::Falls { .. } => "falls",
             Self::Imbalance { .. } => "imbalance",
             Self::CoarseMesh { .. } => "coarse_mesh",
+            Self::CoarseLosses { .. } => "coarse_losses",
         }
     }
 
@@ -396,6 +415,9 @@ impl SimulationWarning {
             Self::Imbalance { .. } => "use a shorter step of the torques, or smaller gains",
             Self::Unsettled { .. } => {
                 "use feedback if the link falls from its pose; else an input without jumps, or damping and hub.inertia"
+            }
+            Self::CoarseLosses { .. } => {
+                "use a larger drive.friction_rate, or a voltage with a shorter step"
             }
             Self::CoarseMesh { .. } => {
                 "use more elements, mesh.elements = \"auto\", or a torque without jumps and corners"

@@ -5,16 +5,17 @@ use std::f64::consts::TAU;
 use super::bent::JointMotion;
 use super::driving::Driving;
 use super::error::{SimulationError, SimulationWarning};
+use super::losses::{Losses, MOST_SUBSTEPS};
 use super::modes::Equations;
 use super::play::{LEFT_OUT, Play, Started, refuse_memory};
 use super::played::{ModalPlay, Played, PlayedBy, PlayedLink, deflection_m};
 use super::residual::{PlayedModelError, Reading, ResidualVibration};
 use super::stepper::Record;
 use crate::beam::Mesh;
-use crate::link::Link;
+use crate::link::{Drive, Link};
 use crate::modal::{DampingLaw, deflection_weights, hub_moves_mass, second_order_share};
 use crate::motion::TipMotionHistories;
-use crate::numeric::{TimeGrid, largest};
+use crate::numeric::{TimeGrid, largest, largest_difference};
 
 /// Memory in bytes for each sample, as measured, besides the coordinate and the rate of each mode.
 const BYTES_PER_SAMPLE: usize = 190;
@@ -38,14 +39,24 @@ pub(super) fn play_modes(
     let (grid, driving) =
         (play.grid()?, play.driving((0, link), play.zero_of_state_rad(link), link.has_weight())?);
     let law = DampingLaw::of(link, &mesh)?;
-    let Started { equations, selection, start, left_out } =
+    let Started { mut equations, selection, start, left_out } =
         Started::of(link, (&mesh, &law), (play, &driving), band_rad_s)?;
     let modes = equations.coordinates.len();
     let samples = grid.len;
     let turning = if driving.turning.is_some() { BYTES_OF_TURNING } else { 0 };
     let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE + turning);
     refuse_memory((samples, modes), bytes, play.memory_bytes)?;
-    let record = Record::of(&equations, &driving, &grid, &start);
+    let mut record = Record::of(&equations, &driving, &grid, &start);
+    let mut unsettled = None;
+    let losses = Losses::of(
+        link,
+        link.drive().and_then(Drive::back_friction),
+        record.largest_rate(&equations),
+    );
+    if let Some(losses) = losses.filter(|_| play.is_under_voltage) {
+        let change = settle(&mut equations, losses, &mut record, (&driving, &grid, &start));
+        unsettled = (change > UNSETTLED).then_some(SimulationWarning::CoarseLosses { change });
+    }
     let initial_tip_m = play.start_m(link);
     let from_rad = play.origin_rad(link).unwrap_or(0.0);
     let offsets = [from_rad + initial_tip_m / mesh.rigid_tip(), initial_tip_m];
@@ -57,9 +68,9 @@ pub(super) fn play_modes(
     let goal_m = play.goal_rad(link).map(|turn_rad| turn_rad * mesh.rigid_tip());
     let reading = Reading::new(&equations, goal_m);
     let (last, held) = (record.at(driven - 1), driving.held());
-    let residual = play
-        .cycle_turn_rad
-        .is_none()
+    // Friction stops what vibrates on.
+    let rings_on = play.cycle_turn_rad.is_none() && equations.losses.is_none();
+    let residual = rings_on
         .then(|| ResidualVibration::of(&equations, last, held, &reading, tip.largest_travel_m()));
     let has_turning = driving.turning.is_some();
     let turning_rad_s = driving.turning_rad_s(if has_turning { grid.len } else { 0 });
@@ -80,14 +91,22 @@ pub(super) fn play_modes(
         Some(_) => (left_out > LEFT_OUT).then_some(cut),
         None => begins,
     };
-    let [begins, ends] = if residual.is_some() { [begins, ends] } else { [None, None] };
+    let is_once = play.cycle_turn_rad.is_none();
+    let [begins, ends] = if is_once { [begins, ends] } else { [None, None] };
     // Without a vibration the rows need not show it.
     let vibrates = residual.is_none_or(|residual| residual.share > VIBRATES);
     let coarse = SimulationWarning::coarse_step(grid.step_s, equations.first_period_s());
     let coarse = coarse.filter(|_| vibrates);
-    let warnings = [begins, ends, coarse, model_error.warning()].into_iter().flatten().collect();
-    let hub =
-        JointMotion { torque_n_m, angle_rad, rate_rad_s, acceleration_rad_s2, holding_n_m: None };
+    let warnings = [begins, ends, coarse, model_error.warning(), unsettled];
+    let warnings = warnings.into_iter().flatten().collect();
+    let hub = JointMotion {
+        torque_n_m,
+        net_n_m: None,
+        angle_rad,
+        rate_rad_s,
+        acceleration_rad_s2,
+        holding_n_m: None,
+    };
     let by = PlayedBy::Modes(ModalPlay {
         selection,
         residual,
@@ -105,6 +124,69 @@ pub(super) fn play_modes(
     Ok(Played { grid, driven, joints: vec![hub], tip: vec![tip], links, by, warnings })
 }
 
+/// Change of tip or hub by halved steps of the losses, over the motion, that ends the halving, and that warns.
+const SETTLED: f64 = 1e-7;
+const UNSETTLED: f64 = 1e-3;
+
+/// Most passes until the peak rate that sets the friction's rate stays, and its largest change that stays.
+pub(super) const PASSES: usize = 8;
+pub(super) const STEADY: f64 = 1e-4;
+
+/// Plays the losses: first at the friction's rate for the peak rate that they leave, then in steps halved until tip and hub
+/// stay. Returns the last change, over the motion.
+fn settle(
+    equations: &mut Equations,
+    losses: Losses,
+    record: &mut Record,
+    (driving, grid, start): (&Driving, &TimeGrid, &[Vec<f64>; 2]),
+) -> f64 {
+    let mut own = losses;
+    let mut play = |own: Losses, record: &mut Record| {
+        equations.losses = Some(own);
+        *record = Record::of(equations, driving, grid, start);
+        let rate = record.largest_rate(equations);
+        (rate, record.histories(equations))
+    };
+    let mut last = play(own, record);
+    for _ in 0..PASSES {
+        let next = own.at(last.0);
+        let is_steady = (next.friction_rate / own.friction_rate - 1.0).abs() <= STEADY;
+        if is_steady || last.0 == 0.0 {
+            break;
+        }
+        own = next;
+        last = play(own, record);
+    }
+    let mut change = f64::INFINITY;
+    while own.substeps < MOST_SUBSTEPS && change > SETTLED {
+        own.substeps *= 2;
+        let finer = play(own, record);
+        let shares = last.1.iter().zip(&finer.1).map(|(coarse, fine)| {
+            let off = largest_difference(coarse, fine);
+            if off == 0.0 { 0.0 } else { off / largest(fine) }
+        });
+        change = shares.fold(0.0, f64::max);
+        last = finer;
+    }
+    change
+}
+
+impl Record {
+    /// Largest rate of the hub.
+    fn largest_rate(&self, equations: &Equations) -> f64 {
+        (0..self.len()).map(|k| equations.hub(self.at(k).1).abs()).fold(0.0, f64::max)
+    }
+
+    /// Displacements of the tip, and turns of the hub, from their starts.
+    fn histories(&self, equations: &Equations) -> [Vec<f64>; 2] {
+        let moved = |of: &dyn Fn(&[f64]) -> f64| {
+            let start = of(self.at(0).0);
+            (0..self.len()).map(|k| of(self.at(k).0) - start).collect()
+        };
+        [moved(&|q| equations.tip(q)), moved(&|q| equations.hub(q))]
+    }
+}
+
 /// Motor torque in N m. Angle, rate and acceleration of the hub in rad, rad/s and rad/s². Displacement, velocity and
 /// acceleration of the tip in m, m/s and m/s². The hub angle and the tip's displacement begin at `start`.
 fn observed(
@@ -118,6 +200,7 @@ fn observed(
     for sample in 0..grid.len {
         let (q, rate) = record.at(sample);
         let (input, turning_rad_s) = (driving.at(sample), driving.turning_at(sample));
+        let input = input - equations.loss_n_m(q, rate, input);
         let acceleration = equations.accelerations(q, rate, (input, turning_rad_s));
         let (angle, hub_rate) = (equations.hub(q), equations.hub(rate));
         let row = [

@@ -18,6 +18,7 @@ mod history;
 mod linear;
 mod link_ratios;
 mod linkage;
+mod losses;
 mod modes;
 mod play;
 mod played;

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use super::losses::Losses;
 use crate::beam::Mesh;
 use crate::modal::{
     DampingLaw, ModalBasis, Mode, Shape, flexible_modes, modes_below, natural_frequencies,
@@ -56,6 +57,8 @@ pub(super) struct Equations {
     pub(super) drags: Option<Vec<f64>>,
     /// Set for a prescribed hub, with its acceleration as u.
     pub(super) prescribed: Option<PrescribedHub>,
+    /// Losses of a drive under an effort.
+    pub(super) losses: Option<Losses>,
 }
 
 /// Properties of the link for the torque of a prescribed hub.
@@ -99,7 +102,15 @@ impl Equations {
             coordinates.push(coordinate(omega_rad_s * omega_rad_s, rate_per_s, &shape));
             shapes.push(shape);
         }
-        Self { coordinates, shapes, reaction, damping: None, drags: None, prescribed: None }
+        Self {
+            coordinates,
+            shapes,
+            reaction,
+            damping: None,
+            drags: None,
+            prescribed: None,
+            losses: None,
+        }
     }
 
     /// Period of the first flexible mode in s.
@@ -130,6 +141,14 @@ impl Equations {
             drive * net - self.damped(k, rate, turning_rad_s) - square * q[k]
         };
         (0..q.len()).map(own).collect()
+    }
+
+    /// Loss of the drive in N m at an instant, under the input `u`; 0 without losses.
+    pub(super) fn loss_n_m(&self, q: &[f64], rate: &[f64], u: f64) -> f64 {
+        let Some(losses) = &self.losses else { return 0.0 };
+        let lossless = self.hub(&self.accelerations(q, rate, (u, 0.0)));
+        let per_torque: f64 = self.coordinates.iter().map(|c| c.hub_angle * c.drive).sum();
+        losses.solve(u, [self.hub(rate), 0.0], [lossless, -per_torque])
     }
 
     /// Damping of a coordinate: Σ c q̇, less the part that turns with the reference.
@@ -327,7 +346,15 @@ pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
     let prescribed = PrescribedHub { inertia_kg_m2: rigid.hub_angle.powi(-2), drag_per_s };
     let reaction = free.reaction.of_friction();
     let prescribed = Some(prescribed);
-    Some(Equations { coordinates, shapes, reaction, damping, drags: None, prescribed })
+    Some(Equations {
+        coordinates,
+        shapes,
+        reaction,
+        damping,
+        drags: None,
+        prescribed,
+        losses: None,
+    })
 }
 
 /// A mode of the link with a spring at its hub.

@@ -140,6 +140,9 @@ pub struct Play<'a> {
     /// prescribed hub, or of a linear link's hub without friction and feedback. The prescribed joints of an arm make the
     /// whole turns of their angles.
     pub cycle_turn_rad: Option<f64>,
+    /// Whether the torques are those of motors under voltages, on an [arm](Arm::under_voltages) with their rotors and
+    /// back voltages. The losses of its drives then act.
+    pub is_under_voltage: bool,
 }
 
 impl<'a> Play<'a> {
@@ -169,6 +172,7 @@ impl<'a> Play<'a> {
             start_angle_rad: None,
             state: None,
             cycle_turn_rad: None,
+            is_under_voltage: false,
         }
     }
 

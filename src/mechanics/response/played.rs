@@ -373,6 +373,7 @@ impl ModalPlay {
             damping: None,
             drags: None,
             prescribed: None,
+            losses: None,
         };
         let mut q = Vec::with_capacity(torque_n_m.len());
         let cubics = pieces(torque_n_m, Interpolation::Cubic);

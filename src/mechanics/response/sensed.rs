@@ -2,13 +2,15 @@ use std::f64::consts::PI;
 
 use super::driving::{Cubic, Interpolation, pieces};
 use super::error::SimulationError;
+use super::linear::{PASSES, STEADY};
+use super::losses::Losses;
 use super::modes::{Coordinate, Equations, HubReaction, held};
 use super::stepper::Stepper;
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::{DampingLaw, ModalBasis, Shape, hub_moves_mass, modes_below};
 use crate::model::Sensor;
-use crate::numeric::QuinticSpline;
+use crate::numeric::{QuinticSpline, largest};
 
 /// Most modes in sensor histories; one residual mode stands for the others.
 const MOST_MODES: usize = 100;
@@ -26,6 +28,9 @@ pub(crate) enum Driven {
 ///
 /// The caller has checked for at least four samples, all finite, and for a step above 0.
 ///
+/// The losses of a drive act under a torque. `back` is the friction of a motor's back voltage, if the torque is that of a
+/// motor under a voltage; the link contains it, and the rotor.
+///
 /// Angle and deflection begin at 0. Modes below the Nyquist frequency are integrated as in [`simulate`]; the others act
 /// as one residual mode.
 ///
@@ -40,7 +45,7 @@ pub(crate) enum Driven {
 pub(crate) fn sensed(
     link: &Link,
     mesh: &Mesh,
-    driven: &Driven,
+    (driven, back): (&Driven, Option<f64>),
     step_s: f64,
     sensors: &[Sensor],
 ) -> Result<Vec<Vec<f64>>, SimulationError> {
@@ -68,7 +73,14 @@ pub(crate) fn sensed(
             let bends = bends();
             let rows: Vec<Row> = sensors.iter().map(|sensor| row(&free, &bends, sensor)).collect();
             let last = samples.last().copied().unwrap_or_default();
-            Ok(histories(&free, &rows, (&pieces(samples, *interpolation), last), step_s))
+            let steps = pieces(samples, *interpolation);
+            let rates = |equations: &Equations| {
+                let row = row(equations, &bends, &Sensor::HubRate);
+                histories(equations, &[row], (&steps, last), step_s).remove(0)
+            };
+            let losses = Losses::of(link, back, 0.0);
+            let free = losses.map_or_else(|| free.clone(), |own| with_losses(&free, own, rates));
+            Ok(histories(&free, &rows, (&steps, last), step_s))
         }
         Driven::Angle(angle_rad) => {
             let not_finite = SimulationError::NotFinite { time_s: 0.0 };
@@ -156,6 +168,27 @@ impl Equations {
     }
 }
 
+/// The equations with losses at the friction's rate for the peak of the `rates` that they leave, in steps that resolve it.
+fn with_losses(
+    free: &Equations,
+    losses: Losses,
+    rates: impl Fn(&Equations) -> Vec<f64>,
+) -> Equations {
+    let mut equations = free.clone();
+    let (mut last, mut friction_rate) = (rates(free), f64::NAN);
+    for _ in 0..PASSES {
+        let mut own = losses.at(largest(&last));
+        own.substeps = own.steps_for(&last);
+        equations.losses = Some(own);
+        if (own.friction_rate / friction_rate - 1.0).abs() <= STEADY || largest(&last) == 0.0 {
+            break;
+        }
+        friction_rate = own.friction_rate;
+        last = rates(&equations);
+    }
+    equations
+}
+
 /// Histories from rest, before the first and after each of these steps of the input, which ends with
 /// the value `last`.
 fn histories(
@@ -171,6 +204,10 @@ fn histories(
     let mut sums = vec![Vec::with_capacity(steps.len() + 1); rows.len()];
     stepper.run(steps.iter().copied(), |stepper| {
         let input = inputs.next().unwrap_or(0.0);
+        let lost = equations
+            .losses
+            .map_or(0.0, |_| equations.loss_n_m(&stepper.coordinates(), &stepper.rates(), input));
+        let input = input - lost;
         for ((row, factors), history) in rows.iter().zip(&factors).zip(&mut sums) {
             history.push(stepper.weighted(factors) + row.on_input * input);
         }
@@ -182,7 +219,6 @@ fn histories(
 mod tests {
     use super::*;
     use crate::link::{Hub, LinkParts, LumpedMass, Payload, uniform};
-    use crate::numeric::largest;
     use crate::response::{Play, Played, Torque, simulate_on};
 
     const STEP_S: f64 = 0.005;
@@ -234,7 +270,7 @@ mod tests {
             let mesh = Mesh::on(&link, 20);
             let simulation = simulated(&link, &mesh);
             let driven = Driven::Torque(torque(), Interpolation::Cubic);
-            let found = sensed(&link, &mesh, &driven, STEP_S, &ALL).unwrap();
+            let found = sensed(&link, &mesh, (&driven, None), STEP_S, &ALL).unwrap();
             for (sensor, found) in ALL.iter().zip(&found) {
                 let exact = match sensor {
                     Sensor::HubAngle | Sensor::Carriage => simulation.hub().angle_rad.clone(),
@@ -259,8 +295,9 @@ mod tests {
         let mesh = Mesh::on(&link, 20);
         let hub_angle_rad = simulated(&link, &mesh).joints.swap_remove(0).angle_rad;
         let torque = Driven::Torque(torque(), Interpolation::Cubic);
-        let exact = sensed(&link, &mesh, &torque, STEP_S, &ALL).unwrap();
-        let found = sensed(&link, &mesh, &Driven::Angle(hub_angle_rad), STEP_S, &ALL).unwrap();
+        let exact = sensed(&link, &mesh, (&torque, None), STEP_S, &ALL).unwrap();
+        let found =
+            sensed(&link, &mesh, (&Driven::Angle(hub_angle_rad), None), STEP_S, &ALL).unwrap();
         for ((sensor, found), exact) in ALL.iter().zip(&found).zip(&exact) {
             let error = off(found, exact);
             assert!(error < 1e-3, "{sensor:?}: {error:e}");
@@ -278,7 +315,7 @@ mod tests {
             s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
         };
         let torque = Driven::Torque((0..2000).map(at).collect(), Interpolation::Cubic);
-        let found = sensed(&link, &mesh, &torque, STEP_S, &[Sensor::RootStrain]).unwrap();
+        let found = sensed(&link, &mesh, (&torque, None), STEP_S, &[Sensor::RootStrain]).unwrap();
         let (root, tip) = (0.05, link.length_m());
         let beam = |x: f64| 0.8 * (x.powi(3) / 3.0 - root * x * x / 2.0);
         let body = |mass: f64, x: f64, inertia: f64| mass * x * (x - root) + inertia;

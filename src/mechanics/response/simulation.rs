@@ -16,7 +16,7 @@ use super::shape::{direction, viscous};
 use super::state::{Cycle, State};
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::underived;
-use crate::link::{Arm, Damping, Joint, Link};
+use crate::link::{Arm, Damping, Drive as LinkDrive, Joint, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, reported_frequencies};
 use crate::numeric::TimeGrid;
 
@@ -60,7 +60,7 @@ pub fn simulate(
     assert!(play.input.joints() == joints, "one input for each joint");
     assert!([0, joints].contains(&play.feedback.len()), "feedback for all joints or none");
     let meshes = links.iter().zip(plans).map(|(own, plan)| Mesh::new(&own.link, plan));
-    let mut meshes: Vec<Mesh> = meshes.collect::<Result<_, _>>()?;
+    let meshes: Vec<Mesh> = meshes.collect::<Result<_, _>>()?;
     let tolerance = play.tolerance.unwrap_or_else(|| MeshPlan::smallest_tolerance(plans));
     if let Some(state) = play.state {
         if !play.input.is_torque() {
@@ -70,10 +70,34 @@ pub fn simulate(
         }
         state.check(arm, play.is_bent(arm))?;
     }
+    let drives = links.iter().filter_map(|own| own.link.drive());
+    let is_lossy = play.is_under_voltage && drives.clone().any(LinkDrive::has_losses);
+    if is_lossy && play.cycle_turn_rad.is_some() {
+        return Err(SimulationError::Losses("the input is a cycle that repeats"));
+    }
+    if is_lossy && play.is_bent(arm) {
+        let what = "this is an arm, or a link with weight or at large angles";
+        return Err(SimulationError::Losses(what));
+    }
+    let mut played = play_links(arm, meshes, play, (plans, tolerance, watch))?;
+    if play.is_under_voltage {
+        let joints = std::mem::take(&mut played.joints).into_iter().zip(drives);
+        played.joints = joints.map(|(joint, drive)| joint.behind(drive)).collect();
+    }
+    Ok(played)
+}
+
+/// Plays the input on the links.
+fn play_links(
+    arm: &Arm,
+    mut meshes: Vec<Mesh>,
+    play: &Play<'_>,
+    (plans, tolerance, watch): (&[MeshPlan], f64, &dyn Fn(PlayProgress)),
+) -> Result<Played, SimulationError> {
     if play.is_bent(arm) {
         return play_bent(arm, meshes, play, (tolerance, watch));
     }
-    let (link, band_rad_s) = (&links[0].link, driven_rad_s(play)?);
+    let (link, band_rad_s) = (&arm.links()[0].link, driven_rad_s(play)?);
     let mesh = meshes.swap_remove(0);
     let is_open = plans[0].is_automatic();
     let mesh = if is_open { mesh.resolving(band_rad_s, tolerance) } else { mesh };

@@ -1,8 +1,9 @@
 use nalgebra::DMatrix;
 
 use super::driving::{Driving, Step};
+use super::losses::{Losses, mean, part_of};
 use super::modes::{Equations, HubReaction};
-use crate::numeric::TimeGrid;
+use crate::numeric::{TimeGrid, dot};
 use crate::system::end_if_stopped;
 
 /// Terms of a step's input, a cubic.
@@ -29,6 +30,17 @@ pub(super) struct Stepper {
     /// Scaled coordinates, then rates.
     state: Vec<f64>,
     next: Vec<f64>,
+    losses: Option<Lossy>,
+}
+
+/// Losses of a drive, solved in every step.
+#[derive(Debug, Clone)]
+struct Lossy {
+    own: Losses,
+    /// Length of a step of the losses in s.
+    step_s: f64,
+    /// The hub's rate as a sum of the state.
+    hub_rate: Vec<f64>,
 }
 
 /// Transition of the state over a step without a torque, column by column so that the rows are vectors.
@@ -44,6 +56,8 @@ impl Stepper {
     /// A stepper at rest.
     pub(super) fn new(equations: &Equations, step_s: f64) -> Self {
         let count = equations.coordinates.len();
+        let parts = equations.losses.map_or(1, |losses| losses.substeps);
+        let step_s = if parts == 1 { step_s } else { step_s / parts as f64 };
         let scale = |square: f64| square.sqrt().max(step_s.recip());
         let scales: Vec<f64> = equations.coordinates.iter().map(|c| scale(c.square)).collect();
         // Without a reaction at the hub, or damping between them, the modes are not coupled.
@@ -69,7 +83,12 @@ impl Stepper {
             (Transition::Alone { on_coordinates, on_rates }, [2, 3, 4, 5].map(column), None)
         };
         let rest = || vec![0.0; 2 * count];
-        Self { count, transition, answers, of_turning, scales, state: rest(), next: rest() }
+        let of_hub = || equations.coordinates.iter().map(|c| c.hub_angle);
+        let losses = equations.losses.map(|own| {
+            let hub_rate = vec![0.0; count].into_iter().chain(of_hub()).collect();
+            Lossy { own, step_s, hub_rate }
+        });
+        Self { count, transition, answers, of_turning, scales, state: rest(), next: rest(), losses }
     }
 
     /// Continues from these coordinates and rates.
@@ -82,8 +101,17 @@ impl Stepper {
         self
     }
 
-    /// Advances by one step.
+    /// Advances by one step of the input.
     pub(super) fn advance(&mut self, step: &Step) {
+        let Some(losses) = &self.losses else { return self.advance_once(step) };
+        let parts = losses.own.substeps;
+        for part in 0..parts {
+            let [input, turning] = [step.input, step.turning].map(|own| part_of(own, part, parts));
+            self.advance_once(&Step { input, turning });
+        }
+    }
+
+    fn advance_once(&mut self, step: &Step) {
         match &self.transition {
             Transition::Alone { on_coordinates, on_rates } => {
                 let (coordinates, rates) = self.state.split_at(self.count);
@@ -112,6 +140,16 @@ impl Stepper {
                 let driven = first[k] * cubic[0] + second[k] * cubic[1];
                 *next += driven + third[k] * cubic[2] + fourth[k] * cubic[3];
             }
+        }
+        if let Some(Lossy { own, step_s, hub_rate }) = &self.losses {
+            // The loss acts like a torque that opposes the input.
+            let of = |state: &[f64]| dot(hub_rate, state);
+            let [before, after, slope] = [&self.state, &self.next, &self.answers[0]].map(|x| of(x));
+            let rate = [0.5 * (before + after), -0.5 * slope];
+            let acceleration = [(after - before) / step_s, -slope / step_s];
+            let loss = own.solve(mean(step.input), rate, acceleration);
+            let pairs = self.next.iter_mut().zip(&self.answers[0]);
+            pairs.for_each(|(next, answer)| *next -= loss * answer);
         }
         std::mem::swap(&mut self.state, &mut self.next);
     }
@@ -233,6 +271,11 @@ impl Record {
             record.push(&stepper.coordinates(), &stepper.rates());
         });
         record
+    }
+
+    /// Number of samples.
+    pub(super) fn len(&self) -> usize {
+        self.rates.len() / self.modes
     }
 
     /// Coordinates and rates at a sample.

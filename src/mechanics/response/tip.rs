@@ -6,13 +6,14 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use super::error::SimulationError;
+use super::history::Feedback;
 use super::modes::Equations;
 use super::play::{Input, Play, Started, continued};
 use super::pose::ArmPose;
 use super::simulation::bent_tip;
 use super::stepper::Stepper;
 use crate::beam::{Mesh, MeshPlan};
-use crate::link::{Arm, Link};
+use crate::link::{Arm, Gravity, Link};
 use crate::modal::{DampingLaw, PoseHub, pose_modes};
 use crate::numeric::{TimeGrid, magnitude};
 
@@ -84,15 +85,15 @@ pub fn simulate_tip(
         return linear(&arm.links()[0].link, &meshes.swap_remove(0), play, course);
     }
     let rings = rings_bent(arm, &meshes, play, course.directions_rad);
-    let until_s = until_s(play, course, rings);
+    let until_s = Some(until_s(play, course, rings));
     let (grid, at_m) = bent_tip(arm, meshes, &Play { until_s, ..*play }, course.refinements)?;
     Ok(PlayedTip { grid, at_m, rings })
 }
 
 /// End of the play in s: not before the input's.
-fn until_s(play: &Play<'_>, course: &TipCourse<'_>, rings: Option<Ringing>) -> Option<f64> {
+fn until_s(play: &Play<'_>, course: &TipCourse<'_>, rings: Option<Ringing>) -> f64 {
     let after_s = course.periods * rings.map_or(0.0, |own| own.period_s);
-    Some((course.end_s + after_s).max(course.least_s).max(play.input.grid().end_s()))
+    (course.end_s + after_s).max(course.least_s).max(play.input.grid().end_s())
 }
 
 /// The tip of a linear link by its modes.
@@ -108,7 +109,7 @@ fn linear(
     let Started { equations, start: [coordinates, rates], .. } =
         Started::of(link, (mesh, &law), (play, &driving), band_rad_s)?;
     let rings = rings(&equations, play);
-    let grid = continued(play.input.grid(), until_s(play, course, rings))?;
+    let grid = continued(play.input.grid(), Some(until_s(play, course, rings)))?;
     let stepper = Stepper::new(&equations, grid.step_s).starting_at(&coordinates, &rates);
     let tips: Vec<f64> = equations.coordinates.iter().map(|own| own.tip).collect();
     let factors = stepper.factors(&tips, &vec![0.0; tips.len()]);
@@ -164,24 +165,17 @@ fn rings_bent(
     let springs = match play.input {
         Input::Angles(joints) => Some(vec![f64::INFINITY; joints.len()]),
         Input::Torques(_) if play.feedback.is_empty() => None,
-        Input::Torques(_) => {
-            Some(play.feedback.iter().map(|own| own.stiffness_n_m_rad()).collect())
-        }
+        Input::Torques(_) => Some(play.feedback.iter().map(Feedback::stiffness_n_m_rad).collect()),
     };
-    let squares: Vec<f64> = match arm.alone() {
-        Some(link) => {
-            let hub = springs.map_or(PoseHub::Free, |springs| PoseHub::Spring(springs[0]));
-            let along = |own: &crate::link::Gravity| own.along_m_s2(directions_rad[0]);
-            let outward_m_s2 = link.gravity().map_or(0.0, along);
-            let modes = pose_modes(&meshes[0], outward_m_s2, hub, 3)?;
-            modes.into_iter().map(|(square, _)| square).collect()
-        }
-        None => {
-            let pose = ArmPose::of(arm, directions_rad, (0.0, 2)).ok()?;
-            let count = arm.links().len() + 1;
-            let modes = pose.modes(springs.as_deref(), count).ok()?;
-            modes.into_iter().map(|mode| mode.square_per_s2).collect()
-        }
+    let squares: Vec<f64> = if let Some(link) = arm.alone() {
+        let hub = springs.map_or(PoseHub::Free, |springs| PoseHub::Spring(springs[0]));
+        let along = |own: &Gravity| own.along_m_s2(directions_rad[0]);
+        let modes = pose_modes(&meshes[0], link.gravity().map_or(0.0, along), hub, 3)?;
+        modes.into_iter().map(|(square, _)| square).collect()
+    } else {
+        let pose = ArmPose::of(arm, directions_rad, (0.0, 2)).ok()?;
+        let modes = pose.modes(springs.as_deref(), arm.links().len() + 1).ok()?;
+        modes.into_iter().map(|mode| mode.square_per_s2).collect()
     };
     let most = squares.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
     let rings = squares.into_iter().filter(|square| *square > RINGS * most);

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::link::{Link, LinkParts, ParameterError, positive};
+use crate::link::{Drive, Link, ParameterError, positive};
 use crate::model::Sensor;
 use crate::response::{Driven, Interpolation};
 use crate::text::significant;
@@ -164,16 +164,16 @@ pub enum RecordError {
 }
 
 impl RecordInput {
-    /// Effect on the link: the torque or the angle, and the friction of a motor.
-    pub(super) fn driven(self) -> (Driven, f64) {
+    /// Effect on the link: the torque or the angle, and the motor under a voltage.
+    pub(super) fn driven(self) -> (Driven, Option<Motor>) {
         match self {
-            Self::Torque(samples, interpolation) => (Driven::Torque(samples, interpolation), 0.0),
+            Self::Torque(samples, interpolation) => (Driven::Torque(samples, interpolation), None),
             Self::Voltage(samples, interpolation, motor) => {
                 let torque_n_m_v = motor.torque_per_volt_n_m_v();
                 let samples = samples.iter().map(|volts| torque_n_m_v * volts).collect();
-                (Driven::Torque(samples, interpolation), motor.friction_n_m_s_rad())
+                (Driven::Torque(samples, interpolation), Some(motor))
             }
-            Self::HubAngle(samples) => (Driven::Angle(samples), 0.0),
+            Self::HubAngle(samples) => (Driven::Angle(samples), None),
         }
     }
 }
@@ -246,10 +246,16 @@ impl Motor {
         resistance_ohm: f64,
         gear_ratio: f64,
     ) -> Result<Self, ParameterError> {
-        positive("motor.torque_constant", torque_constant_n_m_a, "N m/A")?;
-        positive("motor.resistance", resistance_ohm, "ohm")?;
-        positive("motor.gear_ratio", gear_ratio, "")?;
+        positive("drive.torque_constant", torque_constant_n_m_a, "N m/A")?;
+        positive("drive.resistance", resistance_ohm, "ohm")?;
+        positive("drive.gear_ratio", gear_ratio, "")?;
         Ok(Self { torque_constant_n_m_a, resistance_ohm, gear_ratio })
+    }
+
+    /// The motor of a link's drive; `None` unless it has torque constant and resistance.
+    pub fn of(drive: &Drive) -> Option<Self> {
+        let (constant, resistance) = drive.torque_constant_n_m_a.zip(drive.resistance_ohm)?;
+        Self::new(constant, resistance, drive.gear_ratio).ok()
     }
 
     /// Torque of the held hub per volt in N m/V.
@@ -263,12 +269,10 @@ impl Motor {
     }
 }
 
-/// The link with the friction due to a motor's back voltage on its joint; `None` if it is out of range.
-pub(super) fn with_motor_friction(link: &Link, friction: f64) -> Option<Link> {
-    let mut parts = LinkParts::from(link.clone());
-    match &mut parts.carriage {
-        Some(carriage) => carriage.viscous_friction_n_s_m += friction,
-        None => parts.hub.viscous_friction_n_m_s_rad += friction,
-    }
-    Link::new(parts).ok()
+/// The link with the rotor of its drive and the friction due to a motor's back voltage on its joint; the link alone
+/// without a motor. `None` if they are out of range.
+pub(super) fn with_motor(link: &Link, motor: Option<&Motor>) -> Option<Link> {
+    let Some(motor) = motor else { return Some(link.clone()) };
+    let rotor = link.drive().map_or(0.0, Drive::rotor_at_joint);
+    link.with_joint(rotor, motor.friction_n_m_s_rad()).ok()
 }

@@ -170,10 +170,8 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
     /// Refuses a specimen without a measured mode.
     fn check(&self, x: &[f64]) -> Result<(), LinkFitError<E>> {
         let specimen = self.specimen(x).map_err(LinkFitError::Link)?;
-        let has_drive = matches!(&specimen, Specimen::Link(own) if own.0.drive().is_some());
-        if has_drive && self.measurements.has_files() {
-            return Err(LinkFitError::Drive);
-        }
+        let unfit = specimen.drive().and_then(|drive| self.measurements.unfit(drive));
+        unfit.map_or(Ok(()), |unfit| Err(LinkFitError::Drive(unfit)))?;
         let refinements = specimen.checked(self.measurements)?;
         let predicted = specimen.predicted(self.measurements, refinements, &self.delays(x));
         let predicted = predicted.ok_or(LinkFitError::NoModel)?;

@@ -294,6 +294,28 @@ pub enum MeasurementsError {
 /// Limit of the factor between a measured frequency and the file's; beyond it no start is tried.
 pub(super) const FARTHEST: f64 = 1e6;
 
+/// Reason why responses and records do not suit the drive of a link file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum UnfitDrive {
+    /// An elastic joint, which responses and records do not have.
+    #[error(
+        "drive.joint_stiffness is finite, but beside responses and records must be inf: they are those of a link that is \
+         rigidly fixed to its rotor"
+    )]
+    Elastic,
+    /// A rotor beside a torque, which acts at the hub.
+    #[error(
+        "drive.rotor_inertia is above 0, but must be 0 beside a response or record per torque or force: these act at the \
+         joint, behind the rotor"
+    )]
+    Rotor,
+    /// Losses beside a response, which is linear.
+    #[error(
+        "drive.efficiency is below 1, or drive.coulomb_friction above 0, but a [[response]] is linear and has no losses"
+    )]
+    Losses,
+}
+
 /// Reason why no link can be fitted.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LinkFitError<E> {
@@ -342,11 +364,9 @@ pub enum LinkFitError<E> {
          modes allows no mesh that is fine enough"
     )]
     NoModel,
-    /// Responses and records are computed at the hub.
-    #[error(
-        "[drive] is in the link file, but responses and records are those of the link at its hub, without it"
-    )]
-    Drive,
+    /// Responses and records do not suit the drive of the link file.
+    #[error("{0}")]
+    Drive(UnfitDrive),
     /// The damping of the link is zero or has another law.
     #[error("{0} was measured, but this mode has no damping: the link needs a damping law")]
     NoDamping(Observable),

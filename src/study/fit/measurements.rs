@@ -1,8 +1,8 @@
 use super::decay::Decay;
-use super::measurement::{Measured, MeasurementsError};
-use super::record::Alignment;
-use super::record::Record;
+use super::measurement::{Measured, MeasurementsError, UnfitDrive};
+use super::record::{Alignment, Record};
 use super::response::{Overlay, Response, ResponseFit};
+use crate::link::Drive;
 use crate::model::Sensor;
 
 /// Measurements of one link, or of one arm: either all have an uncertainty, or none has.
@@ -132,6 +132,18 @@ impl Measurements {
     /// True if there are responses or records.
     pub(super) fn has_files(&self) -> bool {
         !(self.responses.is_empty() && self.records.is_empty())
+    }
+
+    /// Reason why responses and records do not suit a drive.
+    pub(super) fn unfit(&self, drive: &Drive) -> Option<UnfitDrive> {
+        let of_torque = self.responses.iter().any(|own| own.motor.is_none())
+            || self.records.iter().any(Record::is_of_torque);
+        let reasons = [
+            (drive.joint_stiffness_n_m_rad.is_finite() && self.has_files(), UnfitDrive::Elastic),
+            (drive.rotor_inertia_kg_m2 > 0.0 && of_torque, UnfitDrive::Rotor),
+            (drive.has_losses() && !self.responses.is_empty(), UnfitDrive::Losses),
+        ];
+        reasons.into_iter().find(|(is_unfit, _)| *is_unfit).map(|(_, reason)| reason)
     }
 
     /// True if uncertainties are known.

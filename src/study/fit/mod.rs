@@ -29,7 +29,9 @@ mod specimen;
 pub use decay::{Decay, DecayError, DecayMode, DecaySamples, DecayValues};
 pub use instruments::{Channel, Gain, Motor, RecordError, RecordInput, RecordedInput};
 pub use least_squares::fit;
-pub use measurement::{ArmMode, HubEnd, LinkFitError, Measured, MeasurementsError, Observable};
+pub use measurement::{
+    ArmMode, HubEnd, LinkFitError, Measured, MeasurementsError, Observable, UnfitDrive,
+};
 pub use measurements::Measurements;
 pub use misfits::{ChannelMisfit, Misfit, RecordMisfit, Residual};
 pub use outcome::{

@@ -10,8 +10,8 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use super::instruments::{
-    Channel, FEWEST, Gain, INPUT, MOST_UNCERTAIN, RecordError, RecordInput, check, is_constant,
-    rms, rms_about_mean, with_motor_friction,
+    Channel, FEWEST, Gain, INPUT, MOST_UNCERTAIN, Motor, RecordError, RecordInput, check,
+    is_constant, rms, rms_about_mean, with_motor,
 };
 use crate::beam::Mesh;
 use crate::link::Link;
@@ -47,7 +47,7 @@ pub struct Record {
     pub(super) name: String,
     pub(super) step_s: f64,
     driven: Driven,
-    motor_friction_n_m_s_rad: f64,
+    pub(super) motor: Option<Motor>,
     pub(super) channels: Vec<Channel>,
     /// Root mean square of the samples of each channel, about their mean if an offset is free.
     pub(super) sizes: Vec<f64>,
@@ -75,7 +75,7 @@ impl Record {
         if channels.is_empty() {
             return Err(RecordError::NoChannel);
         }
-        let (driven, motor_friction_n_m_s_rad) = input.driven();
+        let (driven, motor) = input.driven();
         let (Driven::Torque(driving, _) | Driven::Angle(driving)) = &driven;
         if driving.len() < FEWEST {
             return Err(RecordError::Few(driving.len()));
@@ -107,16 +107,7 @@ impl Record {
         if let Some(channel) = unknown.filter(|_| is_known) {
             return Err(RecordError::Mixed { channel: channel.sensor.word().to_owned() });
         }
-        Ok(Self {
-            name,
-            step_s,
-            driven,
-            motor_friction_n_m_s_rad,
-            channels,
-            sizes,
-            is_delay_free,
-            noise: None,
-        })
+        Ok(Self { name, step_s, driven, motor, channels, sizes, is_delay_free, noise: None })
     }
 
     /// Name in messages.
@@ -134,9 +125,14 @@ impl Record {
         self.channels.iter().all(|channel| channel.uncertainty.is_some())
     }
 
-    /// The link with the friction of the motor that drives it.
-    pub(super) fn with_motor_friction(&self, link: &Link) -> Option<Link> {
-        with_motor_friction(link, self.motor_friction_n_m_s_rad)
+    /// The link with the motor that drives it.
+    pub(super) fn with_motor(&self, link: &Link) -> Option<Link> {
+        with_motor(link, self.motor.as_ref())
+    }
+
+    /// True if the torque at the hub, or the force on a carriage, is the input.
+    pub(super) fn is_of_torque(&self) -> bool {
+        self.motor.is_none() && matches!(self.driven, Driven::Torque(..))
     }
 
     /// Noise of a hub angle that drives the link, over its motion, if it counts: only noise remains in its eighth
@@ -237,7 +233,8 @@ impl Record {
 
     fn computed(&self, link: &Link, mesh: &Mesh) -> Option<Vec<Vec<f64>>> {
         let sensors: Vec<Sensor> = self.channels.iter().map(|channel| channel.sensor).collect();
-        sensed(link, mesh, &self.driven, self.step_s, &sensors).ok()
+        let back = self.motor.as_ref().map(Motor::friction_n_m_s_rad);
+        sensed(link, mesh, (&self.driven, back), self.step_s, &sensors).ok()
     }
 
     fn overlaid<'a>(&'a self, computed: &'a [Vec<f64>]) -> Vec<Overlaid<'a>> {

@@ -55,8 +55,8 @@ pub struct Response {
     name: String,
     sensor: Sensor,
     gain: Gain,
-    /// Friction of a motor's back voltage at the hub; `None` for values per torque.
-    motor_friction_n_m_s_rad: Option<f64>,
+    /// The motor of values per volt; `None` for values per torque.
+    pub(super) motor: Option<Motor>,
     slides: bool,
     uncertainty: Option<f64>,
     frequencies_hz: Vec<f64>,
@@ -95,7 +95,7 @@ impl Response {
             name,
             sensor,
             gain,
-            motor_friction_n_m_s_rad: None,
+            motor: None,
             slides: false,
             uncertainty,
             frequencies_hz,
@@ -108,7 +108,7 @@ impl Response {
     pub fn per_volt(mut self, motor: &Motor) -> Self {
         let torque_n_m_v = motor.torque_per_volt_n_m_v();
         self.values.iter_mut().for_each(|value| *value /= torque_n_m_v);
-        Self { motor_friction_n_m_s_rad: Some(motor.friction_n_m_s_rad()), ..self }
+        Self { motor: Some(*motor), ..self }
     }
 
     /// Makes the values relative to the force on a carriage, if the link `slides`.
@@ -135,10 +135,6 @@ impl Response {
     /// Relative uncertainty of each value, if known.
     pub fn uncertainty(&self) -> Option<f64> {
         self.uncertainty
-    }
-
-    pub(super) fn motor_friction_n_m_s_rad(&self) -> f64 {
-        self.motor_friction_n_m_s_rad.unwrap_or(0.0)
     }
 
     /// The highest frequency in rad/s.
@@ -211,7 +207,7 @@ impl Response {
         let known = self.sensor.unit_per_effort(self.slides);
         let unit = if self.gain == Gain::Free { "" } else { known };
         let effort = if self.slides { "force" } else { "torque" };
-        let from_volts = self.motor_friction_n_m_s_rad.map_or("", |_| ", from volts");
+        let from_volts = self.motor.map_or("", |_| ", from volts");
         let overlay = |y: Coordinate, measured, fitted| Overlay {
             name: format!("{}: {quantity} per {effort}{from_volts}, {}", self.name, y.name),
             x: Coordinate::logarithmic("frequency", "Hz"),

@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use super::instruments::with_motor_friction;
+use super::instruments::with_motor;
 use super::measurement::{ArmMode, End, HubEnd, LinkFitError, Measured, Observable};
 use super::measurements::{Measurements, Prediction};
 use super::record::Record;
 use super::response::Response;
 use crate::beam::{Mesh, MeshPlan};
-use crate::link::{Arm, Link, ParameterError};
+use crate::link::{Arm, Drive, Link, ParameterError};
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, model_of};
 use crate::numeric::Size;
@@ -65,6 +65,14 @@ impl Specimen {
         Ok(refinements)
     }
 
+    /// The drive of one link.
+    pub fn drive(&self) -> Option<&Drive> {
+        match self {
+            Self::Link(own) => own.0.drive(),
+            Self::Arm(_) => None,
+        }
+    }
+
     /// True for a link on a carriage.
     pub fn slides(&self) -> bool {
         matches!(self, Self::Link(own) if own.0.joint().slides())
@@ -104,8 +112,10 @@ impl Specimen {
     ) -> Option<Vec<f64>> {
         let Self::Link(own) = self else { return None };
         let mesh = halved(&own.0, &own.1, refinements)?;
-        let delay =
-            |record: &Record| record.rough_delay(&record.with_motor_friction(&own.0)?, &mesh);
+        let delay = |record: &Record| {
+            let link = record.with_motor(&own.0)?;
+            record.rough_delay(&link, &mesh.clone().with_joint(link.joint()))
+        };
         measured.records_with_free_delay().map(delay).collect()
     }
 
@@ -242,11 +252,14 @@ impl Measurements {
         let values = self.predicted_values(link, mesh);
         let plain = OnceCell::new();
         let response = |response: &Response| {
-            let motor = response.motor_friction_n_m_s_rad();
-            let made =
-                || model_of(&with_motor_friction(link, motor)?, mesh.clone(), KeptModes::All).ok();
+            let motor = response.motor.as_ref();
+            let made = || {
+                let link = with_motor(link, motor)?;
+                let mesh = mesh.clone().with_joint(link.joint());
+                model_of(&link, mesh, KeptModes::All).ok()
+            };
             let own;
-            let model = if motor == 0.0 {
+            let model = if motor.is_none() {
                 plain.get_or_init(made).as_deref()?
             } else {
                 own = made()?;
@@ -258,7 +271,12 @@ impl Measurements {
         let mut delays = delays.iter();
         let record = |record: &Record| {
             let own = if record.is_delay_free { delays.next() } else { None };
-            record.fitted(&record.with_motor_friction(link)?, mesh, own.copied().unwrap_or(0.0))
+            let link = record.with_motor(link)?;
+            record.fitted(
+                &link,
+                &mesh.clone().with_joint(link.joint()),
+                own.copied().unwrap_or(0.0),
+            )
         };
         let records = self.records().iter().map(record).collect::<Option<_>>()?;
         Some(Prediction { values, responses, records })

@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::metrics::{JointMetrics, Metrics, PlayedMetrics};
 use super::quantities::{Errors, JointQuantity, QUANTITIES};
 use crate::inverse::Solution;
-use crate::link::{Drive, Joint, ParameterError};
+use crate::link::{Drive, Joint, MotorKnown, ParameterError};
 use crate::text::{given, significant};
 
 /// The largest values that a joint, its link and its motor may reach, in SI, by the keys of [`QUANTITIES`];
@@ -138,15 +138,22 @@ impl Limits {
         Ok(all)
     }
 
-    /// Checks that a limit of the motor has a motor.
+    /// Checks that a limit of the motor has a motor, and those of current and voltage its constants.
     ///
     /// # Errors
-    /// [`ParameterError`] names the first limit without one.
+    /// [`ParameterError`] names the first limit without them.
     pub fn check(self, drive: Option<&Drive>) -> Result<Self, ParameterError> {
-        match self.entries().find(|(own, ..)| own.is_of_motor && drive.is_none()) {
+        let known = drive.map(Drive::known);
+        match self.entries().find(|(own, ..)| own.of_motor > known) {
             None => Ok(self),
             Some((own, key, limit)) => {
-                let must = "must come with a [drive], which has the motor";
+                let must = match (known, own.of_motor) {
+                    (None, _) => "must come with a [drive], which has the motor",
+                    (_, Some(MotorKnown::Voltage)) => {
+                        "must come with drive.torque_constant and drive.resistance"
+                    }
+                    _ => "must come with drive.torque_constant",
+                };
                 Err(ParameterError::new(format!("limits.{key}"), limit, own.unit.text, must))
             }
         }

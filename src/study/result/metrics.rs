@@ -76,6 +76,10 @@ pub struct MotorMetrics {
     pub peak_rate_rad_s: Peak,
     /// Largest mechanical power of the motor in W.
     pub peak_power_w: Peak,
+    /// Largest current in A, if the drive has its torque constant.
+    pub peak_current_a: Option<Peak>,
+    /// Largest voltage in V, if the drive has its resistance, too.
+    pub peak_voltage_v: Option<Peak>,
 }
 
 impl Metrics {
@@ -344,12 +348,17 @@ impl Acting {
 impl MotorMetrics {
     fn of(motor: &MotorHistories, peaks: &Peaks, acts: impl Fn(&[f64], Peak) -> Acting) -> Self {
         let MotorHistories { torque_n_m: torque, rate_rad_s: rate, .. } = motor;
+        // Losses change their sign within few samples: waves through these would swing beyond them.
+        let per_cycle = peaks.per_cycle.filter(|_| !motor.has_losses());
+        let (smooth, peaks) = (peaks, &Peaks { per_cycle, ..*peaks });
         let peak_torque_n_m = peaks.of(torque);
         Self {
             peak_torque_n_m,
             rms_torque_n_m: acts(torque, peak_torque_n_m).rms(torque),
-            peak_rate_rad_s: peaks.of(rate),
+            peak_rate_rad_s: smooth.of(rate),
             peak_power_w: peaks.of_product(torque, rate),
+            peak_current_a: motor.current_a.as_ref().map(|own| peaks.of(own)),
+            peak_voltage_v: motor.voltage_v.as_ref().map(|own| peaks.of(own)),
         }
     }
 }

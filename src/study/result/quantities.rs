@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use super::metrics::{JointMetrics, PlayedJoint};
 use super::peak::Peak;
 use crate::inverse::{LinkMotion, MotorHistories, QuantityErrors, Solution};
-use crate::link::{Joint, Link};
+use crate::link::{Joint, Link, MotorKnown};
 use crate::numeric::{Dimension, largest};
 use crate::text::{instant, significant};
 
@@ -19,8 +19,8 @@ pub struct JointQuantity {
     pub unit: Unit,
     /// Its meaning in a sentence, for the schema of link files and for the docs.
     pub what: &'static str,
-    /// True for a number of the motor.
-    pub is_of_motor: bool,
+    /// Constants of the motor that a number of the motor needs; `None` for other numbers.
+    pub of_motor: Option<MotorKnown>,
     /// True if sweeps have a column for it.
     pub is_swept: bool,
     /// Its limit in `[limits]`.
@@ -59,6 +59,8 @@ const POWER: Unit = Unit { suffix: "_w", text: "W", dimension: Dimension::POWER 
 const LENGTH: Unit = Unit { suffix: "_m", text: "m", dimension: Dimension::LENGTH };
 const ANGLE: Unit = Unit { suffix: "_rad", text: "rad", dimension: Dimension::NONE };
 const TIME: Unit = Unit { suffix: "_s", text: "s", dimension: Dimension::TIME };
+const CURRENT: Unit = Unit { suffix: "_a", text: "A", dimension: Dimension::CURRENT };
+const VOLTAGE: Unit = Unit { suffix: "_v", text: "V", dimension: Dimension::VOLTAGE };
 const RATIO: Unit = Unit { suffix: "", text: "", dimension: Dimension::NONE };
 
 /// Place of a number in a line on the terminal.
@@ -76,7 +78,7 @@ const THREE: fn(f64) -> String = |number| significant(number, 3);
 const FOUR: fn(f64) -> String = |number| significant(number, 4);
 
 /// All quantities of a joint, in the order of summary.json.
-pub const QUANTITIES: [JointQuantity; 20] = [
+pub const QUANTITIES: [JointQuantity; 22] = [
     of_joint("peak_torque", TORQUE, |own| Some(own.peak_torque_n_m.value))
         .is("Peak torque at the hub, on the link's side of a drive.")
         .limited("torque", |own| own.torque_n_m)
@@ -159,6 +161,16 @@ pub const QUANTITIES: [JointQuantity; 20] = [
         .is("Peak mechanical power of the motor.")
         .limited("motor_power", |own| own.motor_power_w)
         .shown(("motor", ", {} W"), FOUR),
+    of_motor("peak_motor_current", CURRENT, |own| Some(own.motor?.peak_current_a?.value))
+        .needs(MotorKnown::Current)
+        .is("Peak current of the motor; needs drive.torque_constant.")
+        .limited("motor_current", |own| own.motor_current_a)
+        .shown(("motor", ", {} A"), FOUR),
+    of_motor("peak_motor_voltage", VOLTAGE, |own| Some(own.motor?.peak_voltage_v?.value))
+        .needs(MotorKnown::Voltage)
+        .is("Peak voltage of the motor; needs drive.torque_constant and drive.resistance.")
+        .limited("motor_voltage", |own| own.motor_voltage_v)
+        .shown(("motor", ", {} V"), FOUR),
 ];
 
 const fn of_joint(
@@ -166,9 +178,8 @@ const fn of_joint(
     unit: Unit,
     of: fn(&JointMetrics) -> Option<f64>,
 ) -> JointQuantity {
-    let (is_of_motor, is_swept, what, limit, shown, of_played) =
-        (false, true, "", None, None, None);
-    JointQuantity { name, unit, what, is_of_motor, is_swept, limit, shown, of, of_played }
+    let (of_motor, is_swept, what, limit, shown, of_played) = (None, true, "", None, None, None);
+    JointQuantity { name, unit, what, of_motor, is_swept, limit, shown, of, of_played }
 }
 
 const fn of_motor(
@@ -176,10 +187,14 @@ const fn of_motor(
     unit: Unit,
     of: fn(&JointMetrics) -> Option<f64>,
 ) -> JointQuantity {
-    JointQuantity { is_of_motor: true, ..of_joint(name, unit, of) }
+    of_joint(name, unit, of).needs(MotorKnown::Torque)
 }
 
 impl JointQuantity {
+    const fn needs(self, known: MotorKnown) -> Self {
+        Self { of_motor: Some(known), ..self }
+    }
+
     const fn is(self, what: &'static str) -> Self {
         Self { what, ..self }
     }
@@ -226,7 +241,7 @@ impl JointQuantity {
 
     /// True for a number whose text is the same for a hub and for a carriage.
     pub fn keeps_words(&self) -> bool {
-        self.is_of_motor || self.name == "peak_root_moment"
+        self.of_motor.is_some() || self.name == "peak_root_moment"
     }
 
     /// True for a number of the link beyond the joint, which the carriage of an arm does not have.
@@ -253,7 +268,7 @@ pub(crate) fn by_name(
 /// Measured errors of the values of a joint that have limits, in the units of the values.
 ///
 /// A root mean square has the error of the peak. Power has the errors of torque and rate, deflection that of the hub angle,
-/// the root's moment that of the torque.
+/// the root's moment that of the torque. A motor's current has that of its torque, its voltage those of current and rate.
 pub(super) struct Errors {
     pub(super) torque_n_m: f64,
     pub(super) angle_rad: f64,
@@ -267,6 +282,8 @@ pub(super) struct Errors {
     pub(super) motor_torque_n_m: f64,
     pub(super) motor_rate_rad_s: f64,
     pub(super) motor_power_w: f64,
+    pub(super) motor_current_a: f64,
+    pub(super) motor_voltage_v: f64,
 }
 
 impl Errors {
@@ -300,6 +317,10 @@ impl Errors {
         let motor =
             metrics.motor.map(|motor| peaks([motor.peak_torque_n_m, motor.peak_rate_rad_s]));
         let [motor_n_m, motor_rad_s] = motor.unwrap_or_default();
+        let drive = solution.arm.links().get(number).and_then(|own| own.link.drive());
+        let constant = drive.and_then(|drive| drive.torque_constant_n_m_a).unwrap_or(0.0);
+        let resistance = drive.and_then(|drive| drive.resistance_ohm).unwrap_or(0.0);
+        let current_a = if constant > 0.0 { motor_torque * motor_n_m / constant } else { 0.0 };
         // The moment at the root of a hub and its torque have one size.
         let root_n_m = metrics.peak_root_moment_n_m.map_or(0.0, |peak| peak.value);
         let link = solution.links.get(number).map(LinkMotion::link);
@@ -316,6 +337,8 @@ impl Errors {
             motor_torque_n_m: motor_torque * motor_n_m,
             motor_rate_rad_s: motor_rate * motor_rad_s,
             motor_power_w: (motor_torque + motor_rate) * (motor_n_m * motor_rad_s),
+            motor_current_a: current_a,
+            motor_voltage_v: resistance * current_a + constant * (motor_rate * motor_rad_s),
         }
     }
 }

@@ -184,6 +184,10 @@ pub struct StoredMotor {
     pub torque_n_m: Vec<f64>,
     /// Rate of the rotor in rad/s.
     pub rate_rad_s: Vec<f64>,
+    /// Current in A, if the drive has its torque constant.
+    pub current_a: Option<Vec<f64>>,
+    /// Voltage in V, if the drive has its resistance, too.
+    pub voltage_v: Option<Vec<f64>>,
 }
 
 /// A quantity at some nodes over time.

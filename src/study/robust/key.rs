@@ -81,10 +81,8 @@ impl Fitted {
                 let rest = row[j] - (0..j).map(known).sum::<f64>();
                 own[j] = if j < i { rest / lower[j][j] } else { rest.sqrt() };
             }
-            if !(own[i] > 0.0) {
-                return None;
-            }
-            lower.push(own);
+            // Not positive also where the root of a negative number is none.
+            lower.push(Some(own).filter(|own| own[i] > 0.0)?);
         }
         Some(lower)
     }

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::command::PlantTip;
 use super::key::Key;
 use super::plants::{POINTS, Random, Sample, Values, corners};
-use super::strays::{Measure, Strays};
+use super::strays::{Measure, Strays, below};
 use crate::result::LimitedValue;
+use crate::system::end_if_stopped;
 
 /// Plants that are played before their histories are merged.
 const TOGETHER: usize = 256;
@@ -177,8 +178,6 @@ pub struct Study<'a, P> {
     pub travel_m: f64,
     /// Play.
     pub play: P,
-    /// Told after every played plant.
-    pub watch: &'a (dyn Fn() + Sync),
 }
 
 impl<P> Study<'_, P> {
@@ -208,9 +207,10 @@ impl<P> Study<'_, P> {
             keys.push(self.of_key(number, &own, &mut plants)?);
         }
         let sum: f64 = keys.iter().map(|own| own.worst[0].size_m).sum();
-        keys.iter_mut()
-            .for_each(|own| own.share = own.worst[0].size_m / sum.max(f64::MIN_POSITIVE));
-        plants.extend(self.all(PlantKind::Corner, &self.corners(&keys))?);
+        for own in &mut keys {
+            own.share = own.worst[0].size_m / sum.max(f64::MIN_POSITIVE);
+        }
+        plants.extend(self.all(PlantKind::Corner, &corners_of(&keys))?);
         let first = plants.len();
         let mut over_limits: Vec<OverLimit> = Vec::new();
         let mut drawn_again = 0;
@@ -256,9 +256,8 @@ impl<P> Study<'_, P> {
     where
         P: Fn(&[Option<f64>]) -> Result<PlantTip, PlantError<E>>,
     {
-        let found = (self.play)(values)?;
-        (self.watch)();
-        Ok(found)
+        end_if_stopped();
+        (self.play)(values)
     }
 
     /// Plants with these values.
@@ -373,28 +372,6 @@ impl<P> Study<'_, P> {
         Ok(plants)
     }
 
-    /// Corners: the ends of each key, and its worst values inside.
-    fn corners(&self, keys: &[KeyOutcome]) -> Vec<Values> {
-        let candidates: Vec<Vec<f64>> = keys
-            .iter()
-            .map(|own| {
-                let mut all = vec![own.key.ends[0]];
-                all.extend(own.inside.iter().map(|inside| inside.value));
-                all.push(own.key.ends[1]);
-                all
-            })
-            .collect();
-        let nearest = |own: &[f64], value: f64| {
-            let apart = |k: &usize| (own[*k] - value).abs();
-            (0..own.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0)
-        };
-        let worst = |measure: usize| {
-            let pairs = keys.iter().zip(&candidates);
-            pairs.map(|(own, all)| nearest(all, own.worst[measure].value)).collect()
-        };
-        corners(&candidates, &[0, 1, 2].map(worst))
-    }
-
     /// Searches on from the worst drawn plant, key by key, within a sixth of each interval.
     fn search<E>(&self, measure: Measure, mut best: Plant, plants: &mut Vec<Plant>) -> Result<(), E>
     where
@@ -447,6 +424,28 @@ fn worst_of(plants: &[Plant], measure: Measure) -> usize {
     (1..plants.len()).fold(0, |worst, k| if size(k) > size(worst) { k } else { worst })
 }
 
+/// Corners: the ends of each key, and its worst values inside.
+fn corners_of(keys: &[KeyOutcome]) -> Vec<Values> {
+    let candidates: Vec<Vec<f64>> = keys
+        .iter()
+        .map(|own| {
+            let mut all = vec![own.key.ends[0]];
+            all.extend(own.inside.iter().map(|inside| inside.value));
+            all.push(own.key.ends[1]);
+            all
+        })
+        .collect();
+    let nearest = |own: &[f64], value: f64| {
+        let apart = |k: &usize| (own[*k] - value).abs();
+        (0..own.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0)
+    };
+    let worst = |measure: usize| {
+        let pairs = keys.iter().zip(&candidates);
+        pairs.map(|(own, all)| nearest(all, own.worst[measure].value)).collect()
+    };
+    corners(&candidates, &[0, 1, 2].map(worst))
+}
+
 /// Quantiles of a measure.
 fn quantiles(sample: &[Strays], measure: Measure) -> Quantiles {
     let mut sizes: Vec<f64> = sample.iter().map(|own| own.size_m(measure)).collect();
@@ -454,7 +453,7 @@ fn quantiles(sample: &[Strays], measure: Measure) -> Quantiles {
     let last = (sizes.len() - 1) as f64;
     let at = |share: f64| {
         let place = (share * last).clamp(0.0, last);
-        let low = place as usize;
+        let low = below(place);
         let high = (low + 1).min(sizes.len() - 1);
         sizes[low] + (place - low as f64) * (sizes[high] - sizes[low])
     };

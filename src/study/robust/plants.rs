@@ -80,7 +80,7 @@ pub fn corners(candidates: &[Vec<f64>], worst: &[Vec<usize>]) -> Vec<Values> {
     all
 }
 
-/// The generator of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
+/// The generator `SplitMix64` (Steele, Lea, Flood, OOPSLA 2014).
 pub(super) struct Random(u64);
 
 /// The odd constant of its steps, the golden ratio times 2⁶⁴.

@@ -66,7 +66,7 @@ impl Strays {
         let last = (grid.len - 1) as f64;
         // Splines need no samples long after the first period.
         let until_s = end_s + period_s.unwrap_or(0.0);
-        let kept = ((until_s - grid.time_s(0)) / grid.step_s).clamp(0.0, last) as usize + BEYOND;
+        let kept = below(((until_s - grid.time_s(0)) / grid.step_s).min(last)) + BEYOND;
         let splines = error_m.iter().map(|own| &own[..own.len().min(kept)]);
         let splines = splines.map(|own| CubicSpline::uniform(own, SplineEnds::NotAKnot));
         let splines: Vec<CubicSpline> = splines.collect();
@@ -76,7 +76,7 @@ impl Strays {
         let sample = |k: usize| norm(error_m.iter().map(|axis| axis[k]));
         let end = place(end_s);
         let until = place(until_s);
-        let top = (0..=until as usize).max_by(|a, b| sample(*a).total_cmp(&sample(*b)));
+        let top = (0..=below(until)).max_by(|a, b| sample(*a).total_cmp(&sample(*b)));
         let top = top.unwrap_or(0) as f64;
         let near = (0..=2 * PARTS).map(|part| top - 1.0 + part as f64 / PARTS as f64);
         let near = near.filter(|place| (0.0..=until).contains(place)).chain([until]);
@@ -112,6 +112,12 @@ impl Strays {
     }
 }
 
+/// Number of the sample at a place or before it.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+pub(super) fn below(place: f64) -> usize {
+    place.max(0.0) as usize
+}
+
 /// Length of a vector.
 fn norm(parts: impl Iterator<Item = f64>) -> f64 {
     parts.map(|part| part * part).sum::<f64>().sqrt()
@@ -132,6 +138,7 @@ fn widest(errors: &[Vec<f64>]) -> f64 {
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+    use std::slice::from_ref;
 
     use super::*;
 
@@ -147,13 +154,13 @@ mod tests {
             }
         };
         let e: Vec<f64> = (0..grid.len).map(|k| error(grid.time_s(k))).collect();
-        let found = Strays::of(&[e.clone()], &grid, (1.0, Some(0.7)), 0.2);
+        let found = Strays::of(from_ref(&e), &grid, (1.0, Some(0.7)), 0.2);
         assert!((found.tip_error_m - 0.3).abs() < 1e-9, "{found:?}");
         assert!((found.rest_vibration_m - 0.05).abs() < 2e-5, "{found:?}");
         assert!((found.drift_m - 0.1).abs() < 2e-5, "{found:?}");
         // |e| > 0.2 until t = 0.5.
         assert_eq!(found.settling_s, Some(0.0));
-        let narrow = Strays::of(&[e.clone()], &grid, (1.0, Some(0.7)), 0.01);
+        let narrow = Strays::of(from_ref(&e), &grid, (1.0, Some(0.7)), 0.01);
         assert_eq!(narrow.settling_s, None);
         // Along two axes the drift is a length, and the vibration the same along any direction.
         let turned = [e.iter().map(|e| 0.6 * e).collect(), e.iter().map(|e| -0.8 * e).collect()];

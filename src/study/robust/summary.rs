@@ -6,7 +6,7 @@ use super::command::{Command, Hold};
 use super::key::Key;
 use super::outcome::{KeyOutcome, OverLimit, PlantKind, Quantiles, Robustness};
 use super::plants::Sample;
-use super::strays::{Measure, Strays};
+use super::strays::{Measure, Strays, below};
 
 /// Share of a worst tip error above which the errors of the plays matter.
 const MATTERS: f64 = 0.01;
@@ -110,8 +110,8 @@ impl RobustSummary {
         let mut settling: Vec<f64> =
             drawn.map(|plant| unsettled(plant.strays.settling_s)).collect();
         settling.sort_by(f64::total_cmp);
-        let place = (0.95 * settling.len() as f64).ceil() as usize;
-        let settling_p95_s = settling.get(place.saturating_sub(1)).copied();
+        let place = below(0.95 * settling.len().saturating_sub(1) as f64 + 0.5);
+        let settling_p95_s = settling.get(place).copied();
         Self {
             play: command.hold(),
             command: name.to_owned(),

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::inverse::Solution;
-use crate::link::{Arm, Hub, Joint};
+use crate::link::{Arm, Drive, Hub, Joint, MotorKnown};
 use crate::modal::reported_zeros;
 use crate::response::{Played, PlayedLink, ResidualVibration};
 use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
@@ -111,7 +111,7 @@ fn residual<'a>(case: &PlayedCase<'a>) -> Option<&'a ResidualVibration> {
 
 /// Quantities of a joint with a column, either of a motor or not.
 fn swept(is_of_motor: bool) -> impl Iterator<Item = &'static JointQuantity> {
-    QUANTITIES.iter().filter(move |own| own.is_swept && own.is_of_motor == is_of_motor)
+    QUANTITIES.iter().filter(move |own| own.is_swept && own.of_motor.is_some() == is_of_motor)
 }
 
 /// The columns of the carriage of an arm on one, among those of the joint after the last.
@@ -139,8 +139,8 @@ pub enum SweepKind {
     Solved {
         /// Number of joints; 1 of one link.
         joints: usize,
-        /// With those of motors.
-        is_driven: bool,
+        /// Constants of the motors; `None` without motors.
+        motor: Option<MotorKnown>,
         /// Of a link or an arm on a carriage.
         slides: bool,
     },
@@ -166,26 +166,30 @@ enum Column {
 impl SweepKind {
     /// The kind of sweep that solves this arm.
     pub fn of_arm(arm: &Arm) -> Self {
-        let is_driven = arm.links().iter().any(|own| own.link.drive().is_some());
+        let drives = arm.links().iter().filter_map(|own| own.link.drive());
+        let motor = drives.map(Drive::known).max();
         let slides = arm.joints().any(|joint| joint.slides());
-        Self::Solved { joints: arm.links().len(), is_driven, slides }
+        Self::Solved { joints: arm.links().len(), motor, slides }
     }
 
     fn columns(self) -> Vec<Column> {
-        let (joints, is_driven, slides) = match self {
-            Self::Solved { joints, is_driven, slides } => (joints, is_driven, slides),
+        let (joints, known, slides) = match self {
+            Self::Solved { joints, motor, slides } => (joints, motor, slides),
             Self::Played { joints, slides } => return Self::played_columns(joints, slides),
         };
-        let of_joint =
-            |joint, is_of_motor| swept(is_of_motor).map(move |own| Column::Joint(joint, own));
-        let motor = |joint| of_joint(joint, true).filter(move |_| is_driven);
+        let of_joint = |joint| swept(false).map(move |own| Column::Joint(joint, own));
+        let motor = |joint| {
+            swept(true)
+                .filter(move |own| own.of_motor <= known)
+                .map(move |own| Column::Joint(joint, own))
+        };
         if joints == 1 {
-            let before = BEFORE.into_iter().map(Column::Solved).chain(of_joint(0, false));
+            let before = BEFORE.into_iter().map(Column::Solved).chain(of_joint(0));
             return before.chain(AFTER.into_iter().map(Column::Solved)).chain(motor(0)).collect();
         }
-        let of_joints = (0..joints).flat_map(|joint| of_joint(joint, false).chain(motor(joint)));
+        let of_joints = (0..joints).flat_map(|joint| of_joint(joint).chain(motor(joint)));
         let before = BEFORE.into_iter().skip(1).map(Column::Solved).chain(of_joints);
-        let carriage = of_carriage(of_joint(joints, false), slides);
+        let carriage = of_carriage(of_joint(joints), slides);
         before.chain(carriage).chain(AFTER_JOINTS.into_iter().map(Column::Solved)).collect()
     }
 

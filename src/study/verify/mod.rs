@@ -14,8 +14,8 @@ use serde::Serialize;
 
 use crate::beam::{ElementCount, MeshPlan};
 use crate::elastica::SecondOrder;
-use crate::inverse::{Quantity, QuantityErrors, Resources, Solution, invert_motion};
-use crate::link::{Arm, ArmLink, ArmParts, Damping, Link, LinkParts};
+use crate::inverse::{PerQuantity, Quantity, QuantityErrors, Resources, Solution, invert_motion};
+use crate::link::{Arm, ArmLink, ArmParts, Damping, Drive, Link, LinkParts};
 use crate::modal::REPORTED_MODES;
 use crate::model::{Dense, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Model};
 use crate::motion::{Ends, Motion, TipMotion};
@@ -102,13 +102,20 @@ impl Verification {
     }
 }
 
-/// The check of the largest error of a kind, over all quantities of all joints. `None` if the torque has no such error.
+/// The check of the largest error of a kind, over all quantities of all joints but the torques of motors with losses,
+/// whose errors follow from those of torque and rate. `None` if the torque has no such error.
 fn worst(
     kind: &Kind,
     answer: &Answer,
     of_kind: impl Fn(QuantityErrors) -> Option<f64>,
 ) -> Option<Check> {
-    let joints = answer.solution.joints.iter().map(|joint| &joint.errors);
+    let links = answer.solution.arm.links().iter();
+    let is_lossy = links.map(|own| own.link.drive().is_some_and(Drive::has_losses));
+    let joints = answer.solution.joints.iter().zip(is_lossy.chain([false]));
+    let joints = joints.map(|(joint, is_lossy)| PerQuantity {
+        motor_torque: joint.errors.motor_torque.filter(|_| !is_lossy),
+        ..joint.errors
+    });
     let joints = joints.filter(|errors| of_kind(errors.torque).is_some());
     let each = joints.map(|errors| errors.of_kind(|own| of_kind(own).unwrap_or(0.0)).worst());
     let larger =

@@ -110,8 +110,12 @@ fn the_whole_example_is_read_in_si() {
     assert_eq!(link.masses(), [mass]);
     assert_eq!(*link.payload(), Payload::default());
     assert_eq!(*link.damping(), Damping::Hysteretic { ratio: 0.02 });
-    let stiff_joint =
-        Drive { joint_stiffness_n_m_rad: f64::INFINITY, rotor_inertia_kg_m2: 0.0, gear_ratio: 1.0 };
+    let stiff_joint = Drive {
+        joint_stiffness_n_m_rad: f64::INFINITY,
+        rotor_inertia_kg_m2: 0.0,
+        gear_ratio: 1.0,
+        ..Drive::DIRECT
+    };
     assert_eq!(link.drive(), Some(&stiff_joint));
     assert_eq!((limits.of("torque"), limits.of("hub_rate")), (Some(5.0), Some(6.0)));
     assert_eq!((limits.of("deflection"), limits.of("bending_moment")), (Some(0.1), Some(20.0)));

@@ -160,6 +160,7 @@ fn an_outer_link_without_mass_leaves_the_inner_one_its_own_frequencies() {
             joint_stiffness_n_m_rad: spring_n_m_rad,
             rotor_inertia_kg_m2: 1e-4,
             gear_ratio: 50.0,
+            ..Drive::DIRECT
         };
         let arm = arm([loaded().drive(drive), light()], [0.0; 2]);
         let [free, held] = squares(&arm, &[0.4, 1.5], 4);
@@ -315,8 +316,12 @@ fn a_bent_arm_has_the_frequencies_of_a_frame_of_beams() {
     let springs = [80.0, 30.0];
     let mut parts = TWO.parts();
     for (own, joint_stiffness_n_m_rad) in parts.iter_mut().zip(springs) {
-        own.drive =
-            Some(Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2: 1e-5, gear_ratio: 100.0 });
+        own.drive = Some(Drive {
+            joint_stiffness_n_m_rad,
+            rotor_inertia_kg_m2: 1e-5,
+            gear_ratio: 100.0,
+            ..Drive::DIRECT
+        });
     }
     let [_, held] = squares(&arm(parts, [0.0; 2]), &pose, 4);
     assert_close(&held, &frame.squares([false, false], springs, 4), 1e-6);

@@ -380,8 +380,12 @@ fn a_hub_with_a_very_long_radius_is_a_carriage() {
     let damping = Damping::Hysteretic { ratio: 0.02 };
     let carriage = Carriage { mass_kg: 1.0, viscous_friction_n_s_m: 0.7 };
     // A belt of 400 N/m behind a pinion and a gear with 5 rad of the motor for 1 m.
-    let drive =
-        Drive { joint_stiffness_n_m_rad: 400.0, rotor_inertia_kg_m2: 0.02, gear_ratio: 5.0 };
+    let drive = Drive {
+        joint_stiffness_n_m_rad: 400.0,
+        rotor_inertia_kg_m2: 0.02,
+        gear_ratio: 5.0,
+        ..Drive::DIRECT
+    };
     let parts = LinkParts { drive: Some(drive), ..uniform(1.0).carriage(carriage) };
     let slid = parts.damping(damping.clone()).build().unwrap();
     let analysis = Analysis::new(1e-6, Some(1.5), Some(1.5)).unwrap();

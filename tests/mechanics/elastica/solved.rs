@@ -166,8 +166,12 @@ fn the_last_node_moves_as_the_tip_and_the_first_moment_is_the_roots() {
 
 #[test]
 fn a_motor_follows_the_hub_and_holds_the_weight_behind_its_gear() {
-    let drive =
-        Drive { joint_stiffness_n_m_rad: 400.0, rotor_inertia_kg_m2: 1e-5, gear_ratio: 50.0 };
+    let drive = Drive {
+        joint_stiffness_n_m_rad: 400.0,
+        rotor_inertia_kg_m2: 1e-5,
+        gear_ratio: 50.0,
+        ..Drive::DIRECT
+    };
     let found = solved(&under(DOWN, -1.2, LinkParts { drive: Some(drive), ..arm() }));
     let motor = found.hub().motor.as_ref().expect("a motor");
     for k in [0, found.grid.len - 1] {

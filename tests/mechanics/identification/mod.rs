@@ -44,7 +44,7 @@ fn fitted(
 fn rig(name: &str) -> (String, Measurements) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let read = |folder: &str| fs::read_to_string(root.join(folder).join(name)).unwrap();
-    let measured = read_measurements(name, &read("measurements"), 1).unwrap();
+    let measured = read_measurements(name, &read("measurements"), (1, false)).unwrap();
     (read("specs"), Measurements::new(measured.values, vec![], vec![]).unwrap())
 }
 

@@ -159,8 +159,12 @@ const BETA: Damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1e-3 };
 
 #[test]
 fn a_cycle_is_that_of_the_motion_repeated_thirty_times() {
-    let drive =
-        Drive { joint_stiffness_n_m_rad: 300.0, rotor_inertia_kg_m2: 1e-4, gear_ratio: 20.0 };
+    let drive = Drive {
+        joint_stiffness_n_m_rad: 300.0,
+        rotor_inertia_kg_m2: 1e-4,
+        gear_ratio: 20.0,
+        ..Drive::DIRECT
+    };
     for (damping, drive, samples, given, travel_m) in [
         (HYSTERETIC, None, 120, Given::Displacement, 0.0),
         (HYSTERETIC, Some(drive), 121, Given::Acceleration, 0.0),
@@ -258,8 +262,12 @@ fn passing(time_s: f64, [before, after, bump]: [f64; 3]) -> [f64; 2] {
 #[test]
 fn a_tip_that_moves_at_its_ends_needs_what_it_needs_in_a_longer_motion() {
     const STEPS: u32 = 500;
-    let drive =
-        Drive { joint_stiffness_n_m_rad: 300.0, rotor_inertia_kg_m2: 1e-4, gear_ratio: 20.0 };
+    let drive = Drive {
+        joint_stiffness_n_m_rad: 300.0,
+        rotor_inertia_kg_m2: 1e-4,
+        gear_ratio: 20.0,
+        ..Drive::DIRECT
+    };
     let step_s = 1.5 / f64::from(STEPS);
     for (damping, drive, given, with_velocity, shape) in [
         (BETA, None, Given::Displacement, true, [0.3, 0.3, -0.3]),

@@ -184,6 +184,7 @@ fn rome(analysis: Analysis) -> Run {
             joint_stiffness_n_m_rad: 1000.0,
             rotor_inertia_kg_m2: 1.0,
             gear_ratio: 1.0,
+            ..Drive::DIRECT
         }),
         ..usual
     });

@@ -165,7 +165,8 @@ fn played_torque(arm: &Arm, play: &Play<'_>, metrics: &PlayedMetrics) -> String 
         Input::Angles(_) => arm.pick(peak + ", as the hub's motion takes it", String::new()),
         Input::Torques(_) => {
             let (times, between) = (times(&play.input.grid()), between(play.interpolation));
-            format!("{times}, {between}{}", arm.pick(format!("; {peak}"), String::new()))
+            let of = if play.is_under_voltage { "voltage " } else { "" };
+            format!("{of}{times}, {between}{}", arm.pick(format!("; {peak}"), String::new()))
         }
     }
 }

@@ -12,6 +12,7 @@ use super::identity::{SweepIdentity, is_record};
 use super::table::{ERROR, WARNINGS};
 use crate::compare::{Cell, Table};
 use crate::csv::{CHECK, InputFile, Place, TableError, quoted, read_table, sha256};
+use crate::link::MotorKnown;
 use crate::result::StoredSweep;
 use crate::spec::unit_of_key;
 use crate::sweep::SweepKind;
@@ -163,13 +164,15 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     let joints = joints_of(names);
     let slides = names.contains(&"peak_force_n")
         || names.contains(&"peak_power_w") && !names.contains(&"peak_hub_rate_rad_s");
-    let solved =
-        |joints| [true, false].map(|is_driven| SweepKind::Solved { joints, is_driven, slides });
+    let motors = [MotorKnown::Voltage, MotorKnown::Current, MotorKnown::Torque];
+    let motors = || motors.into_iter().map(Some).chain([None]);
+    let solved = |joints| motors().map(move |motor| SweepKind::Solved { joints, motor, slides });
+
     let played = |joints| [SweepKind::Played { joints, slides }];
-    let kinds = [&solved(1)[..], &played(1), &solved(joints), &played(joints)].concat();
+    let kinds = solved(1).chain(played(1)).chain(solved(joints)).chain(played(joints));
     let names_of =
         |kind: SweepKind| [kind.names(), [WARNINGS, ERROR].map(str::to_owned).into()].concat();
-    let known: Vec<_> = kinds.into_iter().map(names_of).collect();
+    let known: Vec<_> = kinds.map(names_of).collect();
     let found = &names[varied..];
     if known.iter().any(|known| known == found) {
         return Ok(varied);

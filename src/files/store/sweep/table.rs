@@ -126,7 +126,7 @@ mod tests {
     use super::*;
     use crate::motion::MotionScale;
 
-    const SWEPT: SweepKind = SweepKind::Solved { joints: 1, is_driven: false, slides: false };
+    const SWEPT: SweepKind = SweepKind::Solved { joints: 1, motor: None, slides: false };
 
     #[test]
     fn fields_that_would_part_or_comment_a_row_are_quoted() {

@@ -72,7 +72,8 @@ pub(in super::super) struct ArmAnswer {
 pub(super) struct JointHistories {
     /// Angle in rad of its link's root against the tip of the link before, or against x; its rate and acceleration.
     pub(super) angle: AngleHistories,
-    pub(super) motor: Option<MotorHistories>,
+    /// The same of the rotor, if the joint has a drive.
+    pub(super) rotor: Option<AngleHistories>,
 }
 
 /// History of a joint's link less that of the link before; the first joint has no link before.
@@ -148,10 +149,10 @@ impl ArmAnswer {
         spectrum.pair.samples(spectrum.derivative(&spectrum.pair.amplitudes(history), order))
     }
 
-    /// Histories of a joint, and of its motor where it has a drive.
+    /// Histories of a joint, and of its rotor where it has a drive.
     pub(super) fn joint(&self, joint: usize) -> JointHistories {
         if let (None, Some(carried)) = (self.models.get(joint), &self.path.carried) {
-            return JointHistories { angle: carried.course.clone(), motor: None };
+            return JointHistories { angle: carried.course.clone(), rotor: None };
         }
         let bent = bent_rad(&self.motion, joint);
         let chords = [0, 1, 2].map(|part| turned(&self.motion, joint, part));
@@ -159,11 +160,19 @@ impl ArmAnswer {
             [0, 1, 2].map(|part| sum(&self.derivative(elastic, part), &chords[part]))
         };
         let angle = with_chords(&bent);
-        let motor = self.models[joint].link().drive().map(|drive| {
+        let rotor = self.models[joint].link().drive().map(|drive| {
             let torque_n_m = &self.motion.links[joint].bent.torque_n_m;
-            motor(drive, torque_n_m, |twist| with_chords(&sum(&bent, twist)))
+            rotor(drive, torque_n_m, |twist| with_chords(&sum(&bent, twist)))
         });
-        JointHistories { angle, motor }
+        JointHistories { angle, rotor }
+    }
+
+    /// Torque in N m, without losses, and rate in rad/s of a joint's motor.
+    pub(super) fn motor(&self, joint: usize, rotor: AngleHistories) -> Option<[Vec<f64>; 2]> {
+        let [_, rate, acceleration] = rotor;
+        let torque_n_m = &self.motion.links[joint].bent.torque_n_m;
+        let drive = self.models[joint].link().drive()?;
+        Some([MotorHistories::lossless_n_m(drive, torque_n_m, &acceleration), rate])
     }
 
     /// Histories of all quantities outside the chords' return, a set for each joint.
@@ -182,7 +191,7 @@ impl ArmAnswer {
         chronological: impl Fn(&[f64]) -> Vec<f64> + Sync,
     ) -> Vec<Curves> {
         let curves_of = |joint: usize| {
-            let JointHistories { angle: [angle, rate, acceleration], motor } = self.joint(joint);
+            let JointHistories { angle: [angle, rate, acceleration], rotor } = self.joint(joint);
             let nodes = probes.get(joint).map_or(&[][..], Vec::as_slice).iter();
             let displacement_m = |node: &usize| {
                 chronological(&displacement_m(&self.models, &self.motion, joint, *node))
@@ -196,9 +205,9 @@ impl ArmAnswer {
                 hub_acceleration_rad_s2: chronological(&acceleration),
                 displacement_m: nodes.clone().map(displacement_m).collect(),
                 moment_n_m: nodes.map(moment_n_m).collect(),
-                motor: motor.map(|motor| {
-                    [motor.torque_n_m, motor.rate_rad_s].map(|values| chronological(&values))
-                }),
+                motor: rotor
+                    .and_then(|rotor| self.motor(joint, rotor))
+                    .map(|motor| motor.map(|values| chronological(&values))),
             }
         };
         (0..self.joint_count()).into_par_iter().map(curves_of).collect()
@@ -252,20 +261,15 @@ impl ArmAnswer {
     }
 }
 
-/// Histories of a joint's motor. `turned` is the angle behind the joint's spring; the torque twists the spring.
-///
-/// ```text
-/// φ = n (θ + T/k),   T_m = T/n + J_r φ̈
-/// ```
-fn motor(
+/// Angle of a joint's rotor, rate and acceleration. `turned` is the angle behind the joint's spring; the torque twists the
+/// spring: `φ = n (θ + T/k)`.
+fn rotor(
     drive: &Drive,
     torque_n_m: &[f64],
     turned: impl Fn(&[f64]) -> AngleHistories,
-) -> MotorHistories {
+) -> AngleHistories {
     let twist: Vec<f64> = torque_n_m.iter().map(|t| t / drive.joint_stiffness_n_m_rad).collect();
-    let [angle_rad, rate_rad_s, acceleration] = turned(&twist)
-        .map(|values| values.iter().map(|x| drive.gear_ratio * x).collect::<Vec<_>>());
-    MotorHistories::of(drive, torque_n_m, [angle_rad, rate_rad_s, acceleration])
+    turned(&twist).map(|values| values.iter().map(|x| drive.gear_ratio * x).collect())
 }
 
 /// Displacement in m of a node: for one link along its arc, for several from the chord.

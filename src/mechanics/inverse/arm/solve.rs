@@ -243,7 +243,7 @@ impl Solver<'_> {
         solution.second_order = Some(found);
         solution.warnings =
             self.warnings(&solved, (&solution, &found), &unsettled?.unwrap_or_default());
-        Ok(solution)
+        Ok(solution.with_losses())
     }
 
     /// The answer over the shortest period on meshes fine enough for the plans.
@@ -400,7 +400,7 @@ impl Solver<'_> {
         let joints: Vec<(Vec<f64>, f64)> = joints.collect();
         let drive = answer.models[0].link().drive().filter(|_| problem.is_link());
         let motor = drive.and_then(|drive| {
-            let samples = answer.joint(0).motor?.torque_n_m;
+            let [samples, _] = answer.motor(0, answer.joint(0).rotor?)?;
             let at_rest = at_rest(0).map(|torque| torque / drive.gear_ratio);
             Some((beyond(&samples, at_rest), sizes[0].motor_torque?))
         });

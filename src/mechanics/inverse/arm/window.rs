@@ -36,7 +36,7 @@ impl ArmAnswer {
         let carriage = self.path.carried.as_ref().map(|own| cut_all(&own.course, grid));
         let rigid_torques_n_m = rigid_torques_n_m(arm, &rigid, carriage.as_ref());
         let motion_of = |(joint, rigid_torque_n_m): (usize, Vec<f64>)| {
-            let JointHistories { angle, motor } = self.joint(joint);
+            let JointHistories { angle, rotor } = self.joint(joint);
             let force_n = self.motion.links.get(joint).map(|link| cut_all(&link.force_n, grid));
             let before = joint.checked_sub(1).map(|before| &rigid[before][0]);
             let rigid_angle_rad = match (rigid.get(joint), &carriage) {
@@ -44,20 +44,20 @@ impl ArmAnswer {
                 (None, carriage) => carriage.iter().flat_map(|[own, ..]| own.clone()).collect(),
             };
             let [angle_rad, rate_rad_s, acceleration_rad_s2] = cut_all(&angle, grid);
+            let torque_n_m = cut(&self.effort(joint), grid);
+            let drive = self.models.get(joint).and_then(|model| model.link().drive());
+            let motor = drive.zip(rotor).map(|(drive, rotor)| {
+                MotorHistories::of(drive, [&torque_n_m, &rate_rad_s], cut_all(&rotor, grid))
+            });
             JointMotion {
-                torque_n_m: cut(&self.effort(joint), grid),
+                torque_n_m,
                 rigid_torque_n_m,
                 angle_rad,
                 rate_rad_s,
                 acceleration_rad_s2: Some(acceleration_rad_s2),
                 rigid_angle_rad,
                 force_n,
-                motor: motor.map(|motor| MotorHistories {
-                    torque_n_m: cut(&motor.torque_n_m, grid),
-                    angle_rad: cut(&motor.angle_rad, grid),
-                    rate_rad_s: cut(&motor.rate_rad_s, grid),
-                    power_w: cut(&motor.power_w, grid),
-                }),
+                motor,
                 errors: errors[joint],
             }
         };

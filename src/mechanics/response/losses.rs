@@ -1,0 +1,157 @@
+//! Losses of a drive in the equations of motion: friction of the joint and losses of the gear, solved step by step.
+//!
+//! The motor gives the effort E at the joint, in front of the losses. It turns the rotor, and the gear passes the rest on
+//! to the joint as the torque T (see [`Drive::with_losses`]):
+//!
+//! ```text
+//! f(T, x) = S = E − B θ̇ − R θ̈,   B: of the back voltage, R: inertia of the rotor
+//! ```
+//!
+//! The equations contain B and R as friction and inertia of the joint. So the link moves as under the effort E − L, with the
+//! loss L = S − T. Within a step L is constant, and rate and acceleration depend on it linearly: one equation for one
+//! number. Its left side rises with L from negative to positive values, for all drives, because S rises with L by less
+//! than L.
+
+use super::driving::Cubic;
+use crate::link::{Drive, Link};
+
+/// Losses of a drive.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Losses {
+    drive: Drive,
+    /// Rate of the joint by which the losses change their sign.
+    pub(super) friction_rate: f64,
+    /// Friction B of the back voltage at the joint, if the motor is under a voltage.
+    back: f64,
+    /// Inertia R of the rotor at the joint, if the rotor turns with it.
+    rotor: f64,
+    /// Steps for each step of the input.
+    pub(super) substeps: usize,
+}
+
+/// Number that depends linearly on the loss: value at no loss, and slope.
+type Line = [f64; 2];
+
+/// Most steps of the bisection for one loss: the digits of a number, and their halves.
+const MOST_STEPS: usize = 120;
+
+impl Losses {
+    /// Losses of the link's drive, where it has some, for a joint that moves at up to `peak_rate`. Under a voltage the
+    /// equations contain the friction `back` of the back voltage, and the inertia of the rotor.
+    pub(super) fn of(link: &Link, back: Option<f64>, peak_rate: f64) -> Option<Self> {
+        let drive = *link.drive().filter(|drive| drive.has_losses())?;
+        let (back, rotor) = back.map_or((0.0, 0.0), |back| (back, drive.rotor_at_joint()));
+        let friction_rate = drive.friction_rate(peak_rate);
+        Some(Self { drive, friction_rate, back, rotor, substeps: 1 })
+    }
+
+    /// The losses for a joint that moves at up to `peak_rate`.
+    pub(super) fn at(self, peak_rate: f64) -> Self {
+        Self { friction_rate: self.drive.friction_rate(peak_rate), ..self }
+    }
+
+    /// The loss L, from the effort in front of rotor and losses, rate and acceleration of the joint.
+    pub(super) fn solve(&self, effort: f64, rate: Line, acceleration: Line) -> f64 {
+        let Self { drive, friction_rate, back, rotor, .. } = self;
+        let geared = |loss: f64| {
+            let [rate, acceleration] = [rate, acceleration].map(|own| own[0] + own[1] * loss);
+            (effort - back * rate - rotor * acceleration, rate)
+        };
+        // Torque that would be needed in front of the losses, less the one that there is: falls with the loss.
+        let missing = |loss: f64| {
+            let (geared, rate) = geared(loss);
+            let along = Drive::direction(rate, *friction_rate);
+            drive.with_losses(geared - loss, along).torque - geared
+        };
+        let least = drive.coulomb_friction_n_m + geared(0.0).0.abs();
+        let mut reach = least.max(f64::MIN_POSITIVE);
+        let (mut low, mut high) = (-reach, reach);
+        for _ in 0..MOST_STEPS {
+            if missing(low) >= 0.0 && missing(high) <= 0.0 {
+                break;
+            }
+            reach *= 2.0;
+            (low, high) = (-reach, reach);
+        }
+        let (mut at_low, mut at_high) = (missing(low), missing(high));
+        // The false position with halved ends (Illinois), and a bisection where it stalls.
+        for step in 0..MOST_STEPS {
+            if high - low <= 4.0 * f64::EPSILON * low.abs().max(high.abs()) {
+                break;
+            }
+            let straight = (low * at_high - high * at_low) / (at_high - at_low);
+            let middle = 0.5 * (low + high);
+            let inside = step % 3 != 2 && straight > low && straight < high;
+            let loss = if inside { straight } else { middle };
+            match missing(loss) {
+                0.0 => return loss,
+                found if found > 0.0 => (low, at_low, at_high) = (loss, found, 0.5 * at_high),
+                found => (high, at_high, at_low) = (loss, found, 0.5 * at_low),
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Number of steps, a power of two, in which the joint's rate changes by less than half the friction's.
+    pub(super) fn steps_for(&self, rates: &[f64]) -> usize {
+        let change = rates.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        let steps = (2.0 * change / self.friction_rate).clamp(1.0, MOST_SUBSTEPS as f64);
+        (steps.ceil() as usize).next_power_of_two()
+    }
+}
+
+/// Most steps for each step of the input.
+pub(super) const MOST_SUBSTEPS: usize = 64;
+
+/// The part number `part` of `parts` equal parts of a cubic over a step.
+pub(super) fn part_of([a, b, c, d]: Cubic, part: usize, parts: usize) -> Cubic {
+    let (h, s) = ((parts as f64).recip(), part as f64 / parts as f64);
+    [
+        a + s * (b + s * (c + s * d)),
+        h * (b + s * (2.0 * c + 3.0 * s * d)),
+        h * h * (c + 3.0 * s * d),
+        h * h * h * d,
+    ]
+}
+
+/// Mean of a cubic over its step.
+pub(super) fn mean([a, b, c, d]: Cubic) -> f64 {
+    a + b / 2.0 + c / 3.0 + d / 4.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_cubic_are_the_cubic() {
+        let cubic = [1.0, -2.0, 3.0, -4.0];
+        let at = |[a, b, c, d]: Cubic, s: f64| a + s * (b + s * (c + s * d));
+        for part in 0..4 {
+            let own = part_of(cubic, part, 4);
+            for s in [0.0, 0.3, 1.0] {
+                assert!((at(own, s) - at(cubic, (part as f64 + s) / 4.0)).abs() < 1e-15);
+            }
+        }
+        let means: f64 = (0..4).map(|part| mean(part_of(cubic, part, 4))).sum();
+        assert!((means / 4.0 - mean(cubic)).abs() < 1e-15);
+    }
+
+    /// The loss balances the torque in front of the gear, whatever the motion does, and at a joint at rest too.
+    #[test]
+    fn the_loss_balances_the_gear() {
+        let drive = Drive { efficiency: 0.6, coulomb_friction_n_m: 0.4, ..Drive::DIRECT };
+        let own = Losses { drive, friction_rate: 0.1, back: 0.3, rotor: 0.05, substeps: 1 };
+        for effort in [-5.0, -0.3, 0.0, 0.2, 3.0] {
+            for at_rest in [-2.0, -0.01, 0.0, 0.03, 1.0] {
+                let (rate, acceleration) = ([at_rest, -0.01], [3.0 - at_rest, -8.0]);
+                let loss = own.solve(effort, rate, acceleration);
+                let [v, a] = [rate, acceleration].map(|line| line[0] + line[1] * loss);
+                let geared = effort - 0.3 * v - 0.05 * a;
+                let along = libm::tanh(v / 0.1);
+                let needed = drive.with_losses(geared - loss, along).torque;
+                assert!((needed - geared).abs() < 1e-12, "{effort} {at_rest}: {needed} {geared}");
+            }
+        }
+    }
+}
