@@ -9,7 +9,7 @@ use crate::result::{ChannelRecording, SimulatedChannel};
 /// Fewest rows at rest before and after the motion.
 const AT_REST: usize = 8;
 
-/// Largest range of the measured tip before the motion, and way in the time of the motion after it, over the travel.
+/// Largest range of the measured tip before the motion, and way after it in at most the time of the motion, over the travel.
 const RESTS_BEFORE: f64 = 0.1;
 const RESTS_AFTER: f64 = 0.2;
 
@@ -38,7 +38,7 @@ pub struct Recorded {
     pub error_m: Vec<Vec<f64>>,
     /// Measured less wanted place at rest before the motion, along each axis in m. The error has none of it.
     pub offset_m: Vec<f64>,
-    /// Straight lines through the error along each axis at rest after the motion: the end in m, and the slope in m per sample.
+    /// Straight lines through the last quarter of the error at rest along each axis: the end in m, and the slope in m per sample.
     rest_m: Vec<[f64; 2]>,
     /// Number of the first sample after the motion.
     after: usize,
@@ -144,7 +144,7 @@ impl Recorded {
         let before = time_s.partition_point(|time_s| *time_s < motion_s[0]);
         let after = time_s.partition_point(|time_s| *time_s <= motion_s[1]).min(own.len - 1);
         let rest = |error_m: &Vec<f64>| {
-            let from = (after + (own.len - after) / 2).min(own.len - 2);
+            let from = (own.len - (own.len - after) / 4).min(own.len - 2);
             let places: Vec<f64> = (from..own.len).map(|k| k as f64).collect();
             let (mean, slope) = line(&places, &error_m[from..]);
             [mean + 0.5 * slope * (own.len - 1 - from) as f64, slope]
@@ -166,7 +166,7 @@ impl Recorded {
     pub(super) fn tapered(&self, axis: usize) -> (Vec<f64>, f64) {
         let (len, [last_m, slope_m]) = (self.grid.len, self.rest_m[axis]);
         let rising = (self.before / 2).max(1) as f64;
-        let falling = ((len - self.after) / 4).max(1) as f64;
+        let falling = ((len - self.after) / 8).max(1) as f64;
         let of = |(k, error_m): (usize, &f64)| {
             let begin = super::correction::smooth(k as f64 / rising);
             let end = super::correction::smooth((len - 1 - k) as f64 / falling);
@@ -219,9 +219,11 @@ impl Rows {
     fn check_after(&self, travel_m: f64, (end_s, lasts_s): (f64, f64)) -> Result<(), LearnError> {
         let first = self.time_s.partition_point(|time_s| *time_s <= end_s);
         let from = first + (self.time_s.len() - first) / 2;
+        // A line through a short rest says nothing about the time after it.
+        let least_s = lasts_s.min(self.time_s[self.time_s.len() - 1] - self.time_s[from]);
         let way = |at_m: &Vec<f64>| {
             let (_, slope) = line(&self.time_s[from..], &at_m[from..]);
-            (slope * lasts_s / travel_m).abs()
+            (slope * least_s / travel_m).abs()
         };
         let share = self.at_m.iter().map(way).fold(0.0, f64::max);
         if share > RESTS_AFTER {
