@@ -179,7 +179,7 @@ impl Learn {
         stages.at("correcting");
         let correction =
             Correction::of(solution, &recorded, &band).map_err(|error| not_learned(&error))?;
-        let corrected = self.corrected(&problem, &correction, &stages)?;
+        let corrected = Self::corrected(&problem, &correction, &stages)?;
         let holds = self.hold() == Hold::Position || arm.has_weight();
         let next = table.changed([&own, &Table::of(&corrected, self.hold())], holds);
         let of_step = (&band, &correction);
@@ -317,7 +317,6 @@ impl Learn {
 
     /// The solution of the corrected motion.
     fn corrected(
-        &self,
         problem: &Problem,
         correction: &Correction,
         stages: &StageBar,

@@ -125,7 +125,7 @@ fn ratio(a: &Matrix, b: &Matrix) -> f64 {
     if found.is_nan() { f64::INFINITY } else { found }
 }
 
-/// Largest |G_true/G − 1| of all plants and poses over frequency.
+/// Largest `|G_true/G − 1|` of all plants and poses over frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contraction {
     frequencies_hz: Vec<f64>,

@@ -75,7 +75,7 @@ pub enum LearnError {
     NoBand {
         /// The lowest frequency in Hz.
         hertz: f64,
-        /// Largest |G_true/G − 1| there.
+        /// Largest `|G_true/G − 1|` there.
         ratio: f64,
     },
     /// A link without a mesh.

@@ -109,7 +109,9 @@ impl Recorded {
         let travel_m = solution.tip_travel_m();
         let offset_m = rows.offset_m(&wanted, first / 2, travel_m)?;
         for (at_m, offset_m) in rows.at_m.iter_mut().zip(&offset_m) {
-            at_m.iter_mut().for_each(|x| *x -= offset_m);
+            for own in at_m.iter_mut() {
+                *own -= offset_m;
+            }
         }
         let compared = Compared::of(&rows, &wanted, [motion_s[0], motion_s[1] + 0.5 * lasts_s]);
         compared.check(lasts_s, shift_s.is_none().then_some(lag_s))?;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Band, Correction, Recorded, Table};
 use crate::inverse::Solution;
+use crate::numeric::rounded;
 use crate::robust::{Hold, Key};
 
 /// The numbers of a step.
@@ -61,7 +62,7 @@ impl LearnSummary {
             play,
             travel_m: solution.tip_travel_m(),
             shift_s,
-            measured_s: [recorded.grid.time_s(0), recorded.grid.end_s()],
+            measured_s: [recorded.grid.time_s(0), recorded.grid.end_s()].map(|s| rounded(s, 9)),
             offset_m: recorded.offset_m.clone(),
             rms_m,
             peak_m,
@@ -74,7 +75,7 @@ impl LearnSummary {
             contraction_hz,
             weighted_contraction: correction.contraction,
             predicted_rms_m: correction.predicted * rms_m,
-            next_s: [next.grid.time_s(0), next.grid.end_s()],
+            next_s: [next.grid.time_s(0), next.grid.end_s()].map(|s| rounded(s, 9)),
             rows: next.grid.len,
         }
     }

@@ -4,7 +4,7 @@ use super::compare::counted;
 use super::lines::{LABEL, labelled};
 use crate::learn::LearnSummary;
 use crate::link::Arm;
-use crate::numeric::{largest, rounded};
+use crate::numeric::largest;
 use crate::robust::Hold;
 use crate::text::significant;
 
@@ -43,7 +43,7 @@ fn played_line(arm: &Arm, summary: &LearnSummary, applied: &str) -> String {
 
 fn measured_line(summary: &LearnSummary) -> String {
     let [rms, peak] = [summary.rms_m, summary.peak_m].map(|m| both(m, summary));
-    let [from, until] = summary.measured_s.map(|s| rounded(s, 6));
+    let [from, until] = summary.measured_s;
     let offset_m = largest(&summary.offset_m);
     let offset = if offset_m > TOLD * summary.travel_m {
         format!("\n{:LABEL$}offset at rest {}, left out", "", both(offset_m, summary))
@@ -76,6 +76,6 @@ fn next_line(summary: &LearnSummary) -> String {
 }
 
 fn written_line(summary: &LearnSummary, output: &str) -> String {
-    let [from, until] = summary.next_s.map(|s| rounded(s, 6));
+    let [from, until] = summary.next_s;
     format!("{} from {from} to {until} s in {output}", counted(summary.rows, "row"))
 }
