@@ -160,4 +160,4 @@ pub use files::{csv, measured, spec, store};
 pub use mechanics::{
     beam, elastica, inverse, link, modal, model, motion, numeric, recording, response, system, text,
 };
-pub use study::{compare, fit, result, robust, sweep, verify};
+pub use study::{compare, fit, learn, result, robust, sweep, verify};

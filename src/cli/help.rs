@@ -34,7 +34,7 @@ const PAGES: [(&str, &str, &str); 20] = [
 ];
 
 /// All commands but `help`, as completions of shells list them.
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 16] = [
     "solve",
     "simulate",
     "verify",
@@ -43,6 +43,7 @@ const COMMANDS: [&str; 15] = [
     "fit",
     "sweep",
     "robust",
+    "learn",
     "trajectory",
     "compare",
     "report",

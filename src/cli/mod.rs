@@ -5,6 +5,7 @@ mod compare;
 pub mod fit;
 pub mod frf;
 mod help;
+mod learn;
 pub mod modes;
 pub mod options;
 pub mod problem;
@@ -54,6 +55,7 @@ enum Command {
     Fit(fit::Fit),
     Sweep(Box<sweep::Sweep>),
     Robust(Box<robust::Robust>),
+    Learn(Box<learn::Learn>),
     Trajectory(Box<trajectory::Trajectory>),
     Compare(compare::Compare),
     Report(report::Report),
@@ -95,7 +97,12 @@ impl Command {
         // These commands start as many threads as their option says.
         let has_threads = matches!(
             self,
-            Self::Solve(_) | Self::Simulate(_) | Self::Verify(_) | Self::Sweep(_) | Self::Robust(_)
+            Self::Solve(_)
+                | Self::Simulate(_)
+                | Self::Verify(_)
+                | Self::Sweep(_)
+                | Self::Robust(_)
+                | Self::Learn(_)
         );
         if !has_threads {
             ThreadArgs::default().start()?;
@@ -110,6 +117,7 @@ impl Command {
             Self::Fit(fit) => fit.run(),
             Self::Sweep(sweep) => sweep.run(),
             Self::Robust(robust) => robust.run(),
+            Self::Learn(learn) => learn.run(),
             Self::Trajectory(trajectory) => trajectory.run(),
             Self::Report(report) => report.run(),
             Self::Init(init) => init.run(),

@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod fit;
+pub mod learn;
 pub mod result;
 pub mod robust;
 pub mod sweep;

@@ -28,6 +28,7 @@ mod fit_response;
 mod golden_folder;
 mod gravity;
 mod help;
+mod learn;
 mod line_ends;
 mod model_end;
 mod modes;
@@ -116,7 +117,7 @@ impl Bench {
         let words = arguments.words();
         let told = format!("{words:?}: {}{}", stdout(&output), stderr(&output));
         assert_eq!(output.status.code(), Some(code), "{told}");
-        let is_read = ["solve", "simulate", "verify", "modes", "robust"]
+        let is_read = ["solve", "simulate", "verify", "modes", "robust", "learn"]
             .contains(&words[0].as_str())
             && !words.iter().any(|word| word == "-" || word == "--json");
         // Longer are rows of `verify` that fail, and two lines with many digits.

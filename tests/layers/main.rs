@@ -25,7 +25,7 @@ const FLOORS: [(&str, &[&[&str]]); 5] = [
             &["inverse"],
         ],
     ),
-    ("study", &[&["compare"], &["result"], &["sweep", "verify", "fit", "robust"]]),
+    ("study", &[&["compare"], &["result"], &["sweep", "verify", "fit", "robust"], &["learn"]]),
     ("files", &[&["spec", "csv"], &["measured"], &["store"]]),
     ("page", &[&["page"]]),
     ("cli", &[&["terminal"], &["options"], &["cli"]]),

@@ -318,7 +318,7 @@ pub fn scale_arguments(scale: MotionScale) -> Vec<String> {
 const READING: &str = "Reading a measured MOTION or TORQUE";
 
 /// How MOTION, or the TORQUE of `simulate`, is to be read. The file decides where an option is absent.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct ReadArgs {
     /// Column of each quantity, by its number from 1 or by its heading: time=1,displacement=3 or displacement=pos;
     /// for an arm's path x, y, angle1, angle2, … A table without headings needs the

@@ -237,16 +237,16 @@ impl Amount {
 }
 
 /// The link file with its changes, from which plants are made.
-struct Plants<'a> {
-    document: LinkDocument,
-    name: String,
-    changes: Vec<Override>,
-    keys: &'a [Key],
+pub(super) struct Plants<'a> {
+    pub(super) document: LinkDocument,
+    pub(super) name: String,
+    pub(super) changes: Vec<Override>,
+    pub(super) keys: &'a [Key],
 }
 
 impl Plants<'_> {
     /// The file with these values of the keys.
-    fn with(&self, values: &[Option<f64>]) -> Result<Specification, Failure> {
+    pub(super) fn with(&self, values: &[Option<f64>]) -> Result<Specification, Failure> {
         let mut changes = self.changes.clone();
         for (key, value) in self.keys.iter().zip(values) {
             if let Some(change) = value.and_then(|value| key.change(value)) {
@@ -258,7 +258,7 @@ impl Plants<'_> {
     }
 
     /// The delay of the drives in s.
-    fn delay_s(&self, values: &[Option<f64>]) -> f64 {
+    pub(super) fn delay_s(&self, values: &[Option<f64>]) -> f64 {
         let delays = self.keys.iter().zip(values).filter(|(key, _)| key.how == How::Delay);
         delays.filter_map(|(_, value)| *value).sum()
     }
@@ -291,7 +291,8 @@ impl Robust {
         let changes = self.changes.overrides()?;
         let document = LinkDocument::read(&file.shown, file.text()?)?;
         let specification = document.specification(&file.shown, &changes)?;
-        let (keys, fitted) = self.keys(&document, (&file, &changes), fit.as_ref())?;
+        let (keys, fitted) =
+            keys(&document, (&file, &changes), (&self.uncertain, fit.as_ref()), self.hold())?;
         let motion = InputFile::read(&self.motion)?;
         let how = (&self.read, &self.resample, &self.scale);
         let problem = Problem::read((&file, specification), &motion, how)?;
@@ -336,41 +337,6 @@ impl Robust {
         self.print.print(|| record.clone(), || robust_text(arm, &summary, &kinds, written()))?;
         self.judge(&summary)?;
         self.warnings.refuse(told + of_study.len())
-    }
-
-    /// The keys of the options, or else of the link file, and those of a fit.
-    fn keys(
-        &self,
-        document: &LinkDocument,
-        (link, changes): (&InputFile, &[Override]),
-        fit: Option<&InputFile>,
-    ) -> Result<(Vec<Key>, Option<Fitted>), Failure> {
-        let of_file = document.uncertainties(&link.shown).map_err(|error| refused(&error))?;
-        let is_given = !self.uncertain.is_empty() || fit.is_some();
-        let all = if is_given { &self.uncertain } else { &of_file };
-        if let Some(own) = all.iter().find(|own| own.is_delay() && self.hold() != Hold::Position) {
-            let message =
-                format!("{own}: is for --play position: a delayed torque is another command");
-            return Err(Failure::new(Exit::Usage, &message, None));
-        }
-        let key =
-            |own: &Uncertain| document.uncertain(own, changes).map_err(|error| refused(&error));
-        let mut keys: Vec<Key> = all.iter().map(key).collect::<Result<_, _>>()?;
-        let fitted = match fit {
-            None => None,
-            Some(fit) => {
-                let (of_fit, fitted) = read_fitted(fit, link)?;
-                let first = keys.len();
-                keys.extend(of_fit);
-                Some(Fitted { first, ..fitted })
-            }
-        };
-        if keys.is_empty() {
-            let message = "nothing is uncertain: --uncertain is missing, and the link file has no [uncertainty]";
-            let hint = "say how well a value is known: --uncertain 'segments.*.EI*=±5%'";
-            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-        }
-        Ok((keys, fitted))
     }
 
     fn hold(&self) -> Hold {
@@ -534,6 +500,40 @@ impl Robust {
             }
         }
     }
+}
+
+/// The keys of the options, or else of the link file, and those of a fit.
+pub(super) fn keys(
+    document: &LinkDocument,
+    (link, changes): (&InputFile, &[Override]),
+    (uncertain, fit): (&[Uncertain], Option<&InputFile>),
+    hold: Hold,
+) -> Result<(Vec<Key>, Option<Fitted>), Failure> {
+    let of_file = document.uncertainties(&link.shown).map_err(|error| refused(&error))?;
+    let is_given = !uncertain.is_empty() || fit.is_some();
+    let all = if is_given { uncertain } else { &of_file };
+    if let Some(own) = all.iter().find(|own| own.is_delay() && hold != Hold::Position) {
+        let message = format!("{own}: is for --play position: a delayed torque is another command");
+        return Err(Failure::new(Exit::Usage, &message, None));
+    }
+    let key = |own: &Uncertain| document.uncertain(own, changes).map_err(|error| refused(&error));
+    let mut keys: Vec<Key> = all.iter().map(key).collect::<Result<_, _>>()?;
+    let fitted = match fit {
+        None => None,
+        Some(fit) => {
+            let (of_fit, fitted) = read_fitted(fit, link)?;
+            let first = keys.len();
+            keys.extend(of_fit);
+            Some(Fitted { first, ..fitted })
+        }
+    };
+    if keys.is_empty() {
+        let message =
+            "nothing is uncertain: --uncertain is missing, and the link file has no [uncertainty]";
+        let hint = "say how well a value is known: --uncertain 'segments.*.EI*=±5%'";
+        return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+    }
+    Ok((keys, fitted))
 }
 
 fn command_refused(error: &CommandError) -> Failure {

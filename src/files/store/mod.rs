@@ -6,6 +6,7 @@ mod folder;
 mod frequency_tables;
 mod golden;
 mod json;
+mod learn;
 mod lock;
 mod names;
 mod read_result;
@@ -30,6 +31,7 @@ pub use json::{
     Fingerprint, FitInputs, different_inputs, fit_json, fit_record, foreign_fit_record, read_state,
     results_table, state_json,
 };
+pub use learn::{LearnInputs, learn_json, write_next};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use names::{REPORT, RunOutputs, SUMMARY, is_result_file};
 pub use read_result::{is_run, read_result, read_results};

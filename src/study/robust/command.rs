@@ -172,7 +172,7 @@ impl Command {
             travel_m: solution.tip_travel_m(),
             wanted_m,
             end_s,
-            directions_rad: directions_rad(solution),
+            directions_rad: [0, solution.grid.len - 1].map(|k| directions_rad(solution, k)),
             start_angle_rad: start_angle_rad(solution),
             is_large,
             refinements: 0,
@@ -414,21 +414,20 @@ fn every(histories: &Histories, hold: Hold) -> NonZeroUsize {
     NonZeroUsize::new(found).unwrap_or(NonZeroUsize::MIN)
 }
 
-/// Directions of the chords at the start and at the end of the motion.
-fn directions_rad(solution: &Solution) -> [Vec<f64>; 2] {
-    let last = solution.grid.len - 1;
-    [0, last].map(|k| match solution.arm.alone() {
-        None => solution.shapes().map(|shape| shape.chord[0][k]).collect(),
+/// Directions of the chords in rad at a sample of a solution.
+pub fn directions_rad(solution: &Solution, sample: usize) -> Vec<f64> {
+    match solution.arm.alone() {
+        None => solution.shapes().map(|shape| shape.chord[0][sample]).collect(),
         Some(link) => {
             let from_rad = start_angle_rad(solution).unwrap_or(0.0);
             let turn = if link.joint().slides() {
                 0.0
             } else {
-                solution.tip[0].displacement_m[k] / link.rigid_tip()
+                solution.tip[0].displacement_m[sample] / link.rigid_tip()
             };
             vec![from_rad + turn]
         }
-    })
+    }
 }
 
 /// Direction of one link at zero displacement of its tip.

@@ -7,12 +7,14 @@ mod plants;
 mod strays;
 mod summary;
 
-pub use command::{Command, CommandError, Histories, Hold, PERIODS, PlantTip, Thinned};
+pub use command::{
+    Command, CommandError, Histories, Hold, PERIODS, PlantTip, Thinned, directions_rad,
+};
 pub use key::{Fitted, How, Key};
 pub use outcome::{
     Inside, KeyOutcome, OverLimit, Plant, PlantError, PlantKind, Quantiles, Robustness, Study,
     Worst,
 };
-pub use plants::{Distribution, Sample};
+pub use plants::{Distribution, Sample, Values, corners};
 pub use strays::{Measure, Strays};
 pub use summary::{Help, PlayErrors, RobustSummary, WorstPlant};

@@ -8,7 +8,7 @@ use super::key::{Fitted, Key};
 use crate::numeric::NORMAL_95;
 
 /// Values of the keys of one plant, in their order; `None`: as in the file.
-pub(super) type Values = Vec<Option<f64>>;
+pub type Values = Vec<Option<f64>>;
 
 /// Values of each key that is alone: its ends, its middle and four between.
 pub(super) const POINTS: usize = 7;
@@ -47,7 +47,7 @@ pub struct Sample {
 /// Values of the corners: every combination of the candidates of each key. With many keys, for each measure the corner of
 /// the worst candidates, the opposite one, and both with one key turned. `worst` has the number of the worst candidate
 /// of each key, one list a measure.
-pub(super) fn corners(candidates: &[Vec<f64>], worst: &[Vec<usize>]) -> Vec<Values> {
+pub fn corners(candidates: &[Vec<f64>], worst: &[Vec<usize>]) -> Vec<Values> {
     let count: usize = candidates.iter().map(Vec::len).fold(1, usize::saturating_mul);
     if candidates.len() <= MOST_KEYS && count <= MOST_CORNERS {
         let corner = |mut number: usize| {

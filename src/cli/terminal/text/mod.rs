@@ -2,6 +2,7 @@
 
 mod compare;
 mod fit;
+mod learn;
 mod lines;
 mod played;
 mod robust;
@@ -10,6 +11,7 @@ mod tables;
 
 pub(crate) use compare::{blessed_text, comparison_text, counted, repetition_text};
 pub(crate) use fit::fit_text;
+pub(crate) use learn::learn_text;
 pub(crate) use lines::{memory_text, rows_text};
 pub(crate) use played::simulate_text;
 pub(crate) use robust::robust_text;
