@@ -203,9 +203,9 @@ fn every_room_is_on_its_floor() {
 }
 
 #[test]
-fn the_sources_are_at_most_299_files() {
+fn the_sources_are_at_most_308_files() {
     let count = sources("src").len();
-    assert!(count <= 299, "{count} files");
+    assert!(count <= 308, "{count} files");
 }
 
 #[test]
