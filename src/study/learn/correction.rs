@@ -1,10 +1,8 @@
 //! The correction of a step: the motion whose inverse is added to the effort, and the table of the next effort.
 
-use std::f64::consts::PI;
-
 use super::band::Band;
 use super::error::LearnError;
-use super::recorded::{Recorded, Wanted};
+use super::recorded::{Recorded, Wanted, smooth};
 use crate::inverse::Solution;
 use crate::motion::{ArmPath, Motion, MotionColumns, PathColumns, Recording, TipMotion};
 use crate::numeric::{
@@ -24,11 +22,6 @@ const AT_LIMIT: usize = 3;
 
 /// Jump at the ends of a plateau, over the last decimal, of a saturated effort: a rounded peak has less.
 const EDGE: f64 = 4.0;
-
-/// Smooth step from 0 at 0 to 1 at 1.
-pub(super) fn smooth(share: f64) -> f64 {
-    0.5 - 0.5 * libm::cos(PI * share.clamp(0.0, 1.0))
-}
 
 /// The wanted motion with the error of the band added, and what it promises.
 #[derive(Debug, Clone)]

@@ -1,5 +1,7 @@
 //! The error of a measured tip on the grid of its wanted motion.
 
+use std::f64::consts::PI;
+
 use super::error::{LEAST_TRAVEL, LearnError, MOST_TRAVEL};
 use crate::inverse::Solution;
 use crate::motion::Ends;
@@ -170,8 +172,8 @@ impl Recorded {
         let rising = (self.before / 2).max(1) as f64;
         let falling = ((len - self.after) / 8).max(1) as f64;
         let of = |(k, error_m): (usize, &f64)| {
-            let begin = super::correction::smooth(k as f64 / rising);
-            let end = super::correction::smooth((len - 1 - k) as f64 / falling);
+            let begin = smooth(k as f64 / rising);
+            let end = smooth((len - 1 - k) as f64 / falling);
             let line_m = last_m - slope_m * (len - 1 - k) as f64;
             begin * (line_m + end * (error_m - line_m))
         };
@@ -234,6 +236,11 @@ impl Rows {
             Ok(())
         }
     }
+}
+
+/// Smooth step from 0 at 0 to 1 at 1.
+pub(super) fn smooth(share: f64) -> f64 {
+    0.5 - 0.5 * libm::cos(PI * share.clamp(0.0, 1.0))
 }
 
 /// Mean and slope of the straight line of least squares.
