@@ -10,7 +10,7 @@ use crate::robust::{Hold, Key};
 /// The numbers of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LearnSummary {
-    /// What the drives hold.
+    /// Quantity that the drives hold.
     pub play: Hold,
     /// Largest travel of the wanted tip in m.
     pub travel_m: f64,
