@@ -37,10 +37,10 @@ const EXAMPLE: &str = "\
 Example:
   flexlink learn link.toml motion.csv camera.csv \\
       --uncertain 'segments.*.EI*=±10%' -o next.csv
-  flexlink learn link.toml motion.csv camera2.csv --applied next.csv \\
-      --uncertain 'segments.*.EI*=±10%' -o next2.csv
-  flexlink learn link.toml motion.csv camera.csv --play position \\
-      --uncertain 'payload.mass=±20 g' --columns time=1,tip=4 --unit mm";
+  flexlink learn link.toml motion.csv camera2.csv \\
+      --applied next.csv --uncertain 'segments.*.EI*=±10%'
+  flexlink learn link.toml motion.csv camera.csv \\
+      --play position --uncertain 'payload.mass=±20 g'";
 
 /// What the drives hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
