@@ -170,7 +170,7 @@ impl Arm {
     }
 
     /// This arm with the rotors of its motors, and the friction of their back voltages, at the joints; a voltage then acts
-    /// as the torque [`Drive::effort_per_volt`] per volt.
+    /// as the torque [`Drive::effort_per_volt`](super::Drive::effort_per_volt) per volt.
     ///
     /// # Errors
     /// [`ParameterError`] for a joint without the motor's constants, or with a motor that does not act as inertia and friction

@@ -238,7 +238,7 @@ impl Command {
         self.positions.iter().map(|own| own.angle_rad()[0]).collect()
     }
 
-    /// The same command with the refinement that bent links need within [`TOLERANCE`] of their motion, one refinement
+    /// The same command with the refinement that bent links need within a tolerance of their motion, one refinement
     /// below the one that shows it.
     ///
     /// # Errors
