@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::problem::{Problem, Solved};
 use super::robust::{Plants, keys};
-use crate::cli::options::common::{digits_arguments, option};
+use crate::cli::options::common::{digits_arguments, option, seconds};
 use crate::cli::options::inputs::{
     ChangeArgs, LINK, MOTION, ReadArgs, ResampleArgs, ScaleArgs, tell,
 };
@@ -26,11 +26,11 @@ use crate::learn::{
     responses, saturation,
 };
 use crate::link::Arm;
-use crate::numeric::{Dimension, largest, parse_quantity};
+use crate::numeric::largest;
 use crate::result::{Limits, Notice};
 use crate::robust::{Hold, Key, Values, corners, directions_rad};
 use crate::spec::{LinkDocument, Specification, Uncertain};
-use crate::store::{Fingerprint, LearnInputs, learn_json, write_next};
+use crate::store::{Fingerprint, LearnInputs, record_json, write_next};
 use crate::text::{shown_path, significant};
 
 const EXAMPLE: &str = "\
@@ -42,7 +42,7 @@ Example:
   flexlink learn link.toml motion.csv camera.csv \\
       --play position --uncertain 'payload.mass=±20 g'";
 
-/// What the drives hold.
+/// Quantity that the drives hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Holds {
     /// The positions of the joints.
@@ -86,7 +86,7 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "FILE")]
     applied: Option<PathBuf>,
 
-    /// What the drives hold.
+    /// Quantity that the drives hold.
     #[arg(long = "play", value_name = "WHAT", default_value = "effort")]
     holds: Holds,
 
@@ -129,14 +129,6 @@ pub(crate) struct Learn {
 
     #[command(flatten)]
     read: ReadArgs,
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let time_s = match text.parse() {
-        Ok(time_s) => time_s,
-        Err(_) => parse_quantity(text, Dimension::TIME).map_err(|error| error.to_string())?,
-    };
-    if f64::is_finite(time_s) { Ok(time_s) } else { Err("must be a finite time".into()) }
 }
 
 /// The failure of a step that no table causes.
@@ -358,7 +350,7 @@ impl Learn {
         let of_step = self.warnings_of(next, limits, arm);
         console::warnings(of_step.iter().cloned());
         let warnings = [solved.warnings(), of_step.clone()].concat();
-        let record = || learn_json((arm.title(), inputs), summary, &warnings);
+        let record = || record_json("learn", (arm.title(), inputs), summary, &warnings);
         let output = shown_path(&self.output);
         self.print.print(record, || learn_text(arm, summary, applied, &output))?;
         self.warnings.refuse(told + of_step.len())

@@ -19,7 +19,7 @@ use crate::robust::{
     PlantKind, PlantTip, PlayErrors, RobustSummary, Robustness, Sample, Study, Thinned,
 };
 use crate::spec::{LinkDocument, Override, SpecError, Specification, Uncertain};
-use crate::store::{Fingerprint, RobustInputs, read_fitted, robust_json, write_robust};
+use crate::store::{Fingerprint, RobustInputs, read_fitted, record_json, write_robust};
 use crate::text::{shown_path, significant};
 
 use super::problem::Problem;
@@ -326,7 +326,7 @@ impl Robust {
             fit: fit.as_ref().map(Fingerprint::of),
             arguments: self.arguments(),
         };
-        let record = robust_json((title, &inputs), &summary, &warnings);
+        let record = record_json("robust", (title, &inputs), &summary, &warnings);
         let times = 0..outcome.envelope_m[0].len();
         let times_s: Vec<f64> = times.map(|k| plays.quick.time_s(k)).collect();
         let folder = self.sync.stage(&self.output)?;

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::document::LinkDocument;
+use super::document::{LinkDocument, shown};
 use super::error::{Fault, SpecError};
 use super::free::{leaves_of, number};
 use super::overrides::{Override, apply};
@@ -162,10 +162,8 @@ impl LinkDocument {
             return Ok(Vec::new());
         };
         let read = |(key, node): &(String, Node)| {
-            let place = match node.place {
-                Place::Line(line) => format!("{name}:{line}: {TABLE}.{:?}", excerpt(key)),
-                Place::File | Place::Override(_) => format!("{name}: {TABLE}.{:?}", excerpt(key)),
-            };
+            // No change of the command line is in the text.
+            let place = format!("{}: {TABLE}.{:?}", shown(node.place, name, &[]), excerpt(key));
             let Kind::Text(interval) = &node.kind else {
                 let message = format!("= {}, but must be text", node.shown());
                 return Err(refused(&message).at(place));

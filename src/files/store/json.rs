@@ -188,6 +188,31 @@ pub(super) fn json(record: &impl Serialize) -> String {
     without_controls(text)
 }
 
+/// The record of a study as JSON: the command with its inputs, its numbers and its warnings.
+///
+/// # Panics
+/// Never: JSON can hold every record.
+pub fn record_json(
+    command: &str,
+    (title, inputs): (&str, &impl Serialize),
+    summary: &impl Serialize,
+    warnings: &[Notice],
+) -> String {
+    #[derive(Serialize)]
+    struct Record<'a, I, S> {
+        format: u32,
+        flexlink: &'static str,
+        command: &'a str,
+        title: &'a str,
+        inputs: &'a I,
+        #[serde(flatten)]
+        summary: &'a S,
+        warnings: &'a [Notice],
+    }
+    let (format, flexlink) = (FORMAT, env!("CARGO_PKG_VERSION"));
+    json(&Record { format, flexlink, command, title, inputs, summary, warnings })
+}
+
 /// The JSON text of a record on one line, without a line end.
 ///
 /// # Panics

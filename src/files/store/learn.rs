@@ -1,18 +1,15 @@
-//! The table of the next effort of `learn`, and its record.
+//! The table of the next effort of `learn`, and the inputs of its record.
 
 use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
 
-use super::json::{FORMAT, Fingerprint, json};
+use super::json::Fingerprint;
 use super::names::{ANGLE, Form, TORQUE};
 use crate::csv::{Column, ColumnGroup, Digits, write_csv};
-use crate::learn::{LearnSummary, Table};
+use crate::learn::Table;
 use crate::link::Arm;
-use crate::result::Notice;
 use crate::robust::Hold;
-
-const COMMAND: &str = "learn";
 
 /// Inputs of a step: its files, and its arguments as the program takes them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,28 +28,6 @@ pub struct LearnInputs {
     pub fit: Option<Fingerprint>,
     /// Its arguments.
     pub arguments: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Record<'a> {
-    format: u32,
-    flexlink: &'static str,
-    command: &'static str,
-    title: &'a str,
-    inputs: &'a LearnInputs,
-    #[serde(flatten)]
-    summary: &'a LearnSummary,
-    warnings: &'a [Notice],
-}
-
-/// The record of a step as JSON.
-pub fn learn_json(
-    (title, inputs): (&str, &LearnInputs),
-    summary: &LearnSummary,
-    warnings: &[Notice],
-) -> String {
-    let (flexlink, command) = (env!("CARGO_PKG_VERSION"), COMMAND);
-    json(&Record { format: FORMAT, flexlink, command, title, inputs, summary, warnings })
 }
 
 /// Writes what the joints play, with the columns of the table of `solve`.

@@ -29,14 +29,14 @@ pub use frequency_tables::{
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
 pub use json::{
     Fingerprint, FitInputs, different_inputs, fit_json, fit_record, foreign_fit_record, read_state,
-    results_table, state_json,
+    record_json, results_table, state_json,
 };
-pub use learn::{LearnInputs, learn_json, write_next};
+pub use learn::{LearnInputs, write_next};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use names::{REPORT, RunOutputs, SUMMARY, is_result_file};
 pub use read_result::{is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};
-pub use robust::{RobustInputs, read_fitted, robust_json, write_robust};
+pub use robust::{RobustInputs, read_fitted, write_robust};
 pub use run_summary::{Findings, PlayedRun, Simulated};
 pub use run_tables::{RunTables, write_solution};
 pub use summary::{RunInputs, STATIONS, SimulateFiles, Summary, verification_json};

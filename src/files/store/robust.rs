@@ -5,18 +5,16 @@ use std::io::{self, Write};
 use serde::{Deserialize, Serialize};
 
 use super::folder::{FolderError, OutputFolder};
-use super::json::{FORMAT, Fingerprint, json};
+use super::json::Fingerprint;
 use super::names::SUMMARY;
 use crate::csv::{Digits, InputFile, Place, TableError, write_columns};
 use crate::numeric::student_95;
-use crate::result::Notice;
 use crate::robust::{Fitted, How, Key, Plant, PlantKind, RobustSummary, Robustness};
 
 /// Names of all files that `robust` may write.
 const OWNED: [&str; 3] = [PLANTS, ENVELOPE, SUMMARY];
 const PLANTS: &str = "robust.csv";
 const ENVELOPE: &str = "envelope.csv";
-const COMMAND: &str = "robust";
 
 /// Inputs of a study: its files, and its arguments as the program takes them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,28 +28,6 @@ pub struct RobustInputs {
     pub fit: Option<Fingerprint>,
     /// Its arguments.
     pub arguments: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Record<'a> {
-    format: u32,
-    flexlink: &'static str,
-    command: &'static str,
-    title: &'a str,
-    inputs: &'a RobustInputs,
-    #[serde(flatten)]
-    summary: &'a RobustSummary,
-    warnings: &'a [Notice],
-}
-
-/// The record of a study as JSON.
-pub fn robust_json(
-    (title, inputs): (&str, &RobustInputs),
-    summary: &RobustSummary,
-    warnings: &[Notice],
-) -> String {
-    let (flexlink, command) = (env!("CARGO_PKG_VERSION"), COMMAND);
-    json(&Record { format: FORMAT, flexlink, command, title, inputs, summary, warnings })
 }
 
 /// Writes robust.csv, envelope.csv and summary.json: all or none. `times_s` has the times of the envelope.

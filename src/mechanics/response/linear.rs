@@ -48,12 +48,11 @@ pub(super) fn play_modes(
     refuse_memory((samples, modes), bytes, play.memory_bytes)?;
     let mut record = Record::of(&equations, &driving, &grid, &start);
     let mut unsettled = None;
-    let losses = Losses::of(
-        link,
-        link.drive().and_then(Drive::back_friction),
-        record.largest_rate(&equations),
-    );
-    if let Some(losses) = losses.filter(|_| play.is_under_voltage) {
+    let losses = play.is_under_voltage.then(|| {
+        let back = link.drive().and_then(Drive::back_friction);
+        Losses::of(link, back, record.largest_rate(&equations))
+    });
+    if let Some(losses) = losses.flatten() {
         let change = settle(&mut equations, losses, &mut record, (&driving, &grid, &start));
         unsettled = (change > UNSETTLED).then_some(SimulationWarning::CoarseLosses { change });
     }

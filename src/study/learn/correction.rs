@@ -121,7 +121,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// What the joints of a solution play.
+    /// The columns that the joints of a solution play.
     pub fn of(solution: &Solution, hold: Hold) -> Self {
         let joints = solution.joints.iter().map(|joint| match hold {
             Hold::Position => vec![joint.angle_rad.clone(), joint.rate_rad_s.clone()],
@@ -202,7 +202,7 @@ pub struct Saturation {
 }
 
 /// The first plateau of an effort at its largest or smallest value, or its first samples at a limit. The rests at the ends
-/// of a table are none.
+/// of a table do not count.
 pub fn saturation(effort: &[f64], limit: Option<f64>) -> Option<Saturation> {
     let limit = limit.unwrap_or(f64::INFINITY);
     let at_limit = |x: &&f64| x.abs() >= limit * (1.0 - 1e-9);

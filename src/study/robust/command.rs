@@ -185,11 +185,6 @@ impl Command {
         self.hold
     }
 
-    /// Samples of the command.
-    pub fn samples(&self) -> usize {
-        self.grid.len
-    }
-
     /// Time in s from the first to the last instant at which the played quantity differs from rest by more than 2 % of
     /// its range; the longest of all joints.
     pub fn duration_s(&self) -> f64 {
@@ -365,9 +360,7 @@ impl Histories {
             wanted_m: solution.tip.iter().map(|axis| axis.displacement_m.clone()).collect(),
         }
     }
-}
 
-impl Histories {
     /// All histories, shaped, with the rest until the shaper ends. The wanted tip is shaped, too.
     #[must_use]
     pub fn shaped(&self, shaper: &Shaper) -> Self {
