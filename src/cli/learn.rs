@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::problem::{Problem, Solved};
-use super::robust::{Plants, keys};
+use super::robust::{Plants, ends, keys};
 use crate::cli::options::common::{digits_arguments, option, seconds};
 use crate::cli::options::inputs::{
     ChangeArgs, LINK, MOTION, ReadArgs, ResampleArgs, ScaleArgs, tell,
@@ -28,7 +28,7 @@ use crate::learn::{
 use crate::link::Arm;
 use crate::numeric::largest;
 use crate::result::{Limits, Notice};
-use crate::robust::{Hold, Key, Values, corners, directions_rad};
+use crate::robust::{Hold, Key, Values, directions_rad};
 use crate::spec::{LinkDocument, Specification, Uncertain};
 use crate::store::{Fingerprint, LearnInputs, record_json, write_next};
 use crate::text::{shown_path, significant};
@@ -295,7 +295,7 @@ impl Learn {
         let kept = analysis.kept_modes();
         let nominal = Plant { arm, meshes, kept, delay_s: 0.0 };
         let nominal = responses(&nominal, self.hold(), at).map_err(refused)?;
-        let all = values(plants.keys);
+        let all = ends(plants.keys);
         let of_plant = |values: &Values| {
             let own = plants.with(values)?;
             let plant =
@@ -371,17 +371,4 @@ impl Learn {
         ]
         .concat()
     }
-}
-
-/// The ends of each key alone, and the corners.
-fn values(keys: &[Key]) -> Vec<Values> {
-    let alone = (0..keys.len()).flat_map(|number| {
-        keys[number].ends.map(|end| {
-            let mut values = vec![None; keys.len()];
-            values[number] = Some(end);
-            values
-        })
-    });
-    let candidates: Vec<Vec<f64>> = keys.iter().map(|key| key.ends.to_vec()).collect();
-    alone.chain(corners(&candidates, &[vec![1; keys.len()]])).collect()
 }

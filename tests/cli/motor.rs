@@ -113,3 +113,84 @@ fn limits_of_the_motor_are_held_beside_the_hubs() {
     }
     succeeded(strict("torque", 1.01 * hub));
 }
+
+/// A motor whose losses, current and voltage are known, on a rigid joint.
+const KNOWN: &str = "--set drive={rotor_inertia=2e-4,gear_ratio=20.0,efficiency=0.8,\
+                     coulomb_friction=0.05,torque_constant=0.05,resistance=1.2}";
+
+const PLAYED: [&str; 5] = [
+    "peak_motor_torque_n_m",
+    "peak_motor_rate_rad_s",
+    "peak_motor_power_w",
+    "peak_motor_current_a",
+    "peak_motor_voltage_v",
+];
+
+#[test]
+fn a_play_of_the_torque_needs_the_motor_that_solve_tells() {
+    let bench = Bench::new();
+    // Its damping is the same in frequency and in time.
+    let known = format!("{KNOWN} --set damping={{model=\"rayleigh\",beta=1e-4}}");
+    bench.solve(&known);
+    bench.done(&format!("simulate {LINK} out/torque.csv {known} -o played"));
+    for key in PLAYED {
+        let [known, found] =
+            ["out", "played"].map(|folder| bench.number(folder, &format!("results/{key}")));
+        assert!((found / known - 1.0).abs() < 1e-3, "{key}: {found} is not {known}");
+    }
+    // No simulation moves the rotor of an elastic joint.
+    bench.solve(DRIVE);
+    bench.done(&format!("simulate {LINK} out/torque.csv {DRIVE} -o played"));
+    let results = &bench.json("played/summary.json")["results"];
+    assert!(keys(results).iter().all(|key| !key.contains("motor")));
+}
+
+#[test]
+fn robust_counts_the_plants_whose_motor_is_over_its_limit() {
+    let bench = Bench::new();
+    bench.solve(KNOWN);
+    let current_a = |mass: f64| {
+        let set = format!("{KNOWN} --set payload.mass={mass:?}");
+        bench.done(&format!("simulate {LINK} out/hub_angle.csv --input hub-angle {set} -o played"));
+        bench.number("played", "results/peak_motor_current_a")
+    };
+    let limit = current_a(0.05);
+    let limits = format!("--set limits={{motor_current={limit:?},rms_torque=1.0}}");
+    let uncertain = "--uncertain payload.mass=0..0.1 --runs 9 --play position";
+    let told = bench.told(&format!("robust {LINK} {MOTION} {KNOWN} {limits} {uncertain} -o rb"));
+    let masses = bench.numbers("rb/robust.csv", "payload.mass");
+    let kinds = bench.cells("rb/robust.csv", "kind");
+    let sample = masses.iter().zip(kinds).filter(|(_, kind)| kind == "sample");
+    let currents: Vec<f64> = sample.map(|(mass, _)| current_a(*mass)).collect();
+    let over = currents.iter().filter(|current| **current > limit).count();
+    assert!((1..=8).contains(&over) && currents.len() == 9, "{currents:?}");
+    let summary = bench.json("rb/summary.json");
+    let found = &summary["over_limits"][0];
+    assert_eq!(found["key"], "motor_current");
+    let [share, largest] = ["share", "largest"].map(|key| found[key].as_f64().unwrap());
+    let most = currents.iter().copied().fold(0.0, f64::max);
+    assert!((share - over as f64 / 9.0).abs() < 1e-12, "{share}, {over}");
+    assert!((largest / most - 1.0).abs() < 1e-3, "{largest} is not {most}");
+    // A limit that plays have no value of is told.
+    assert!(told.contains("limits.rms_torque is not compared"), "{told}");
+}
+
+#[test]
+fn the_shortest_motion_within_a_current_keeps_it_and_none_shorter_does() {
+    let bench = Bench::new();
+    for (key, limit) in [("motor_current", 2.0), ("motor_voltage", 4.0)] {
+        let fit = format!("--step 0.01 --link {LINK} {KNOWN} --fit-limit {key}={limit}");
+        let told = bench.told(&format!("trajectory septic --distance 0.5 {fit} -o fit.csv"));
+        assert!(told.contains(&format!("limits.{key} binds")), "{told}");
+        let end_s = column(&bench, "fit.csv", "time").last().copied().unwrap();
+        let unit = if key == "motor_current" { "a" } else { "v" };
+        for (less_s, fits) in [(0.01, false), (0.0, true)] {
+            let duration = format!("--duration {:.2}", end_s - less_s);
+            bench
+                .done(&format!("trajectory septic --distance 0.5 --step 0.01 {duration} -o m.csv"));
+            bench.done(&format!("solve {LINK} m.csv {KNOWN} -o solved"));
+            let found = bench.number("solved", &format!("results/peak_{key}_{unit}"));
+            assert_eq!(found <= limit, fits, "{key}: {found} in {end_s} s less {less_s} s");
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use flexlink::motion::Profile;
+use flexlink::motion::{Excitation, Profile};
 
 use super::{Bench, column, json_of, number, stderr, succeeded};
 
@@ -141,7 +141,8 @@ fn a_quiet_duration_is_a_zero_of_the_motion_at_the_mode() {
         ))
     );
     let [omega_rad_s, _] = first_rad_s(&bench, "link.toml");
-    let zeros = Profile::MinJerk.quiet_phases(100.0).map(|phase| phase / omega_rad_s);
+    let excitation = Excitation::of(Profile::MinJerk);
+    let zeros = excitation.quiet_phases(100.0).map(|phase| phase / omega_rad_s);
     let zeros: Vec<f64> = zeros.map(|zero_s| (1e3 * zero_s).round() / 1e3).collect();
     let own = zeros.iter().position(|zero_s| (zero_s - end_s).abs() < 1e-9).unwrap();
     assert!(own > 0, "{end_s}");
@@ -152,6 +153,53 @@ fn a_quiet_duration_is_a_zero_of_the_motion_at_the_mode() {
         let peak_n = bench.number("solved", "results/peak_force_n");
         assert_eq!(peak_n < 1.0, fits, "{zero_s}: {peak_n}");
     }
+}
+
+/// |A(ω)|/ω of a min-jerk motion over its travel: a Riemann sum of its velocity 30 s²(1 − s)² times the phase.
+fn min_jerk_amplitude(phase: f64) -> f64 {
+    let steps = 20_000;
+    let sum = |part: fn(f64) -> f64| {
+        let at = |k: u32| {
+            let s = (f64::from(k) + 0.5) / f64::from(steps);
+            30.0 * (s * (1.0 - s)).powi(2) * part(phase * s)
+        };
+        (0..steps).map(at).sum::<f64>() / f64::from(steps)
+    };
+    sum(f64::cos).hypot(sum(f64::sin))
+}
+
+#[test]
+fn a_quiet_duration_with_intervals_has_the_least_worst_case_beside_the_zero() {
+    let bench = bench(SHEET);
+    let [omega_rad_s, _] = first_rad_s(&bench, "link.toml");
+    let quiet = "min-jerk --distance 0.2 --step 0.001 --link link.toml --quiet-at held -o move.csv";
+    let ends = |factors: [f64; 2], duration_s: f64| {
+        let of = |factor: f64| min_jerk_amplitude(omega_rad_s * factor.sqrt() * duration_s);
+        factors.map(of).into_iter().fold(0.0, f64::max)
+    };
+    for (options, factors) in [
+        ("--uncertain segments.*.EI*=±15%", [0.85, 1.15]),
+        ("--uncertain segments.*.EI*=0.7..1.1", [0.7, 1.1]),
+        ("--uncertain segments.*.EI*=0.9..1.4 --uncertain delay=0..1ms", [0.9, 1.4]),
+    ] {
+        let told = made(&bench, &format!("{quiet} {options}"));
+        let end_s = column(&bench, "move.csv", "time").last().copied().unwrap();
+        let (own, beside) = (ends(factors, end_s), [-0.001, 0.001, 0.625 - end_s]);
+        for more_s in beside.into_iter().filter(|more_s| more_s.abs() > 1e-9) {
+            assert!(own < ends(factors, end_s + more_s), "{options}: {end_s} + {more_s}");
+        }
+        let (_, rest) = told.split_once("|A|/ω is at most, in the intervals, ").unwrap();
+        let (left, _) = rest.split_once(" % of the travel").unwrap();
+        let left: f64 = left.parse().unwrap();
+        assert!((left / (100.0 * own) - 1.0).abs() < 0.01, "{options}: {left}, {own}");
+    }
+    // The table of the file counts as the options do.
+    let table = "[uncertainty]\n\"segments.*.EI*\" = \"±15%\"\n";
+    bench.write("file.toml", &format!("{SHEET}{table}"));
+    let of_file = made(&bench, &quiet.replace("link.toml", "file.toml"));
+    assert_eq!(of_file, made(&bench, &format!("{quiet} --uncertain segments.*.EI*=±15%")));
+    let told = made(&bench, quiet);
+    assert!(told.contains("|A|/ω is ") && !told.contains("intervals"), "{told}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod help;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -13,10 +14,11 @@ use crate::link::Arm;
 use crate::motion::{Shaper, Shaping};
 use crate::numeric::{Dimension, parse_quantity};
 use crate::response::SimulationError;
-use crate::result::Notice;
+use crate::result::{Limits, Notice};
 use crate::robust::{
     Command, CommandError, Distribution, Fitted, Histories, Hold, How, Key, Plant, PlantError,
-    PlantKind, PlantTip, PlayErrors, RobustSummary, Robustness, Sample, Study, Thinned,
+    PlantKind, PlantTip, PlayErrors, RobustSummary, Robustness, Sample, Study, Thinned, Values,
+    corners,
 };
 use crate::spec::{LinkDocument, Override, SpecError, Specification, Uncertain};
 use crate::store::{Fingerprint, RobustInputs, read_fitted, record_json, write_robust};
@@ -237,16 +239,16 @@ impl Amount {
 }
 
 /// The link file with its changes, from which plants are made.
-pub(super) struct Plants<'a> {
-    pub(super) document: LinkDocument,
-    pub(super) name: String,
-    pub(super) changes: Vec<Override>,
-    pub(super) keys: &'a [Key],
+pub(in crate::cli) struct Plants<'a> {
+    pub(in crate::cli) document: LinkDocument,
+    pub(in crate::cli) name: String,
+    pub(in crate::cli) changes: Vec<Override>,
+    pub(in crate::cli) keys: &'a [Key],
 }
 
 impl Plants<'_> {
     /// The file with these values of the keys.
-    pub(super) fn with(&self, values: &[Option<f64>]) -> Result<Specification, Failure> {
+    pub(in crate::cli) fn with(&self, values: &[Option<f64>]) -> Result<Specification, Failure> {
         let mut changes = self.changes.clone();
         for (key, value) in self.keys.iter().zip(values) {
             if let Some(change) = value.and_then(|value| key.change(value)) {
@@ -314,7 +316,7 @@ impl Robust {
             (errors, help),
         );
         let mut warnings = solved.warnings();
-        let of_study = self.warnings_of(&summary);
+        let of_study = self.warnings_of(&summary, &problem.specification.limits);
         drop(stages);
         let told = solved.tell();
         console::warnings(of_study.iter().cloned());
@@ -410,8 +412,16 @@ impl Robust {
     }
 
     /// Warnings of the study.
-    fn warnings_of(&self, summary: &RobustSummary) -> Vec<Notice> {
+    fn warnings_of(&self, summary: &RobustSummary, limits: &[Limits]) -> Vec<Notice> {
         let mut warnings = Vec::new();
+        let is_known = |key: &str| summary.over_limits.iter().any(|own| own.key == key);
+        let unknown = limits.iter().flat_map(|own| own.keys().filter(|key| !is_known(key)));
+        let unknown: BTreeSet<&str> = unknown.filter(|_| self.runs > 0).collect();
+        for key in unknown {
+            let message = format!("limits.{key} is not compared: plays do not have its value");
+            let hint = "`flexlink solve` compares it on the link of the file";
+            warnings.push(Notice::new("limit_not_played", message, hint));
+        }
         if summary.is_coarse() {
             let share = summary.errors.play_m / summary.worst_m();
             let message = format!("the plays are off by {share:.1e} of the worst tip error");
@@ -502,8 +512,25 @@ impl Robust {
     }
 }
 
-/// The keys of the options, or else of the link file, and those of a fit.
+/// The keys of the options, or else of the link file, and those of a fit; at least one.
 pub(super) fn keys(
+    document: &LinkDocument,
+    files: (&InputFile, &[Override]),
+    of: (&[Uncertain], Option<&InputFile>),
+    hold: Hold,
+) -> Result<(Vec<Key>, Option<Fitted>), Failure> {
+    let found = intervals(document, files, of, hold)?;
+    if found.0.is_empty() {
+        let message =
+            "nothing is uncertain: --uncertain is missing, and the link file has no [uncertainty]";
+        let hint = "say how well a value is known: --uncertain 'segments.*.EI*=±5%'";
+        return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+    }
+    Ok(found)
+}
+
+/// The keys of the options, or else of the link file, and those of a fit.
+pub(in crate::cli) fn intervals(
     document: &LinkDocument,
     (link, changes): (&InputFile, &[Override]),
     (uncertain, fit): (&[Uncertain], Option<&InputFile>),
@@ -527,13 +554,20 @@ pub(super) fn keys(
             Some(Fitted { first, ..fitted })
         }
     };
-    if keys.is_empty() {
-        let message =
-            "nothing is uncertain: --uncertain is missing, and the link file has no [uncertainty]";
-        let hint = "say how well a value is known: --uncertain 'segments.*.EI*=±5%'";
-        return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-    }
     Ok((keys, fitted))
+}
+
+/// The ends of each key alone, and the corners.
+pub(in crate::cli) fn ends(keys: &[Key]) -> Vec<Values> {
+    let alone = (0..keys.len()).flat_map(|number| {
+        keys[number].ends.map(|end| {
+            let mut values = vec![None; keys.len()];
+            values[number] = Some(end);
+            values
+        })
+    });
+    let candidates: Vec<Vec<f64>> = keys.iter().map(|key| key.ends.to_vec()).collect();
+    alone.chain(corners(&candidates, &[vec![1; keys.len()]])).collect()
 }
 
 fn command_refused(error: &CommandError) -> Failure {

@@ -346,7 +346,7 @@ fn cycle_text(cycle_s: &str, metrics: &Metrics) -> String {
     };
     let hub = metrics.hub();
     let motor = hub.motor.map_or(String::new(), |motor| {
-        format!("; of the motor {}", torques(motor.rms_torque_n_m, motor.peak_torque_n_m))
+        format!("; of the motor {}", torques(motor.rms_torque_n_m, motor.peaks.peak_torque_n_m))
     });
     let hub = torques(hub.rms_torque_n_m, hub.peak_torque_n_m);
     format!("a cycle of {cycle_s} s takes a torque of {hub}{motor}")

@@ -14,11 +14,13 @@ use self::path::{PathArgs, Travel, reached, refused, travel};
 use self::shape::ShapeArgs;
 use crate::cli::options::common::seconds;
 use crate::cli::options::inputs::{ChangeArgs, specification};
+use crate::cli::robust::{Plants, ends, intervals};
 use crate::cli::terminal::{Exit, Failure, WarningArgs, console, memory};
 use crate::csv::{Digits, InputFile, write_path, write_trajectory};
 use crate::motion::{Course, Curve, MotionColumns, PathColumns};
 use crate::result::Along;
-use crate::spec::Specification;
+use crate::robust::Hold;
+use crate::spec::{LinkDocument, Specification};
 use crate::text::{given, plain};
 
 /// Distances in m and steps in s that keep all samples finite and not 0.
@@ -183,8 +185,29 @@ impl Trajectory {
     fn search(&self, along: Along, own: Option<&Specification>) -> Result<Search, Failure> {
         let steps = self.duration.map(|duration_s| self.steps("--duration", duration_s, 4.0));
         let (profile, step_s) = (self.profile, self.step);
-        let shape = self.shape.shape(own, along)?;
+        let shape = self.shape.shape(own, along, &self.plants()?)?;
         Ok(Search { profile, steps: steps.transpose()?, step_s, shape })
+    }
+
+    /// The links or arms at the ends and corners of the intervals of --quiet-at.
+    fn plants(&self) -> Result<Vec<Specification>, Failure> {
+        let Some(link) = self.link.as_ref().filter(|_| self.shape.is_quiet()) else {
+            return Ok(Vec::new());
+        };
+        let file = InputFile::read_toml(link)?;
+        let changes = self.changes.overrides()?;
+        let document = LinkDocument::read(&file.shown, file.text()?)?;
+        let (keys, _) = intervals(
+            &document,
+            (&file, &changes),
+            (self.shape.uncertain(), None),
+            Hold::Position,
+        )?;
+        if keys.is_empty() {
+            return Ok(Vec::new());
+        }
+        let plants = Plants { document, name: file.shown.clone(), changes, keys: &keys };
+        ends(&keys).iter().map(|values| plants.with(values)).collect()
     }
 
     /// The curve of --path; `None` without it. Checks the options that every motion has.

@@ -4,14 +4,15 @@ use std::f64::consts::TAU;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use rayon::prelude::*;
 
 use crate::cli::modes::{Wanted, computed, level};
 use crate::cli::terminal::{Exit, Failure};
-use crate::motion::{FEWEST_STEPS, Profile, Shaper, Shaping};
+use crate::motion::{Excitation, FEWEST_STEPS, Profile, Shaper, Shaping};
 use crate::numeric::extremes;
 use crate::response::{PoseMode, SettledModes, reached};
 use crate::result::{Along, ModesResult};
-use crate::spec::Specification;
+use crate::spec::{Specification, Uncertain};
 use crate::text::{plain, significant};
 
 const VIBRATIONS: &str = "Vibrations";
@@ -44,10 +45,15 @@ pub(super) struct ShapeArgs {
     of: Option<State>,
 
     /// Instead of --duration: the shortest one at which the motion does not excite the mode, within all limits, if there are
-    /// any. The motion has one move.
+    /// any. With intervals, by --uncertain or in the link file, it is the one beside it with the least worst case. The
+    /// motion has one move.
     #[arg(long, help_heading = VIBRATIONS, value_name = "STATE", value_enum, requires = "link")]
     #[arg(conflicts_with_all = ["shape", "duration"])]
     quiet_at: Option<State>,
+
+    /// Interval of a value for --quiet-at, as in robust: KEY=±5%; repeatable [default: [uncertainty] of the link file].
+    #[arg(long, help_heading = VIBRATIONS, value_name = "KEY=INTERVAL", requires = "quiet_at")]
+    uncertain: Vec<Uncertain>,
 
     /// Numbers of the modes, as `flexlink modes` prints them [default: 1, or the first after the swings of an arm with
     /// free joints]. --quiet-at takes one.
@@ -76,9 +82,17 @@ struct Mode {
     number: usize,
     /// Undamped frequency in rad/s and damping ratio in each pose.
     in_poses: Vec<(f64, f64)>,
+    /// Undamped frequencies in rad/s of all plants of the intervals, in each pose.
+    uncertain_rad_s: Vec<f64>,
 }
 
 impl Mode {
+    /// Largest excitation by a motion of this duration in s.
+    fn left(&self, excitation: &Excitation, duration_s: f64) -> f64 {
+        let own = self.in_poses.iter().map(|own| &own.0).chain(&self.uncertain_rad_s);
+        own.map(|omega_rad_s| excitation.at(omega_rad_s * duration_s)).fold(0.0, f64::max)
+    }
+
     /// Smallest and largest frequency in rad/s.
     fn range_rad_s(&self) -> [f64; 2] {
         extremes(&self.in_poses.iter().map(|own| own.0).collect::<Vec<_>>())
@@ -106,11 +120,17 @@ impl ShapeArgs {
         !self.is_given() && !self.modes.is_empty()
     }
 
-    /// Shaper and modes for a way of the tip; `None` without these options.
+    /// The intervals of --uncertain.
+    pub(super) fn uncertain(&self) -> &[Uncertain] {
+        &self.uncertain
+    }
+
+    /// Shaper and modes for a way of the tip; `None` without these options. `plants` are those of the intervals.
     pub(super) fn shape(
         &self,
         own: Option<&Specification>,
         along: Along,
+        plants: &[Specification],
     ) -> Result<Option<Shape>, Failure> {
         let Some((state, own)) = self.of.or(self.quiet_at).zip(own) else { return Ok(None) };
         if let (Some(_), [_, _, ..]) = (self.quiet_at, &self.modes[..]) {
@@ -121,7 +141,18 @@ impl ShapeArgs {
         let swings = if state == State::Free { own.arm.pick(0, own.arm.links().len()) } else { 0 };
         let numbers: Vec<usize> = self.modes.iter().map(|number| usize::from(*number)).collect();
         let numbers = if numbers.is_empty() { vec![1 + swings] } else { numbers };
-        let modes = modes_along(own, along, (state, &numbers))?;
+        if let Some(again) = (1..numbers.len()).find(|k| numbers[..*k].contains(&numbers[*k])) {
+            let message = format!("--modes = {} twice, but must differ", numbers[again]);
+            return Err(Failure::new(Exit::Usage, &message, None));
+        }
+        let mut modes = modes_along(own, along, (state, &numbers))?;
+        let of_plant = |plant: &Specification| modes_along(plant, along, (state, &numbers));
+        let of_plants: Vec<_> = plants.par_iter().map(of_plant).collect::<Result<_, _>>()?;
+        for own in &of_plants {
+            for (mode, own) in modes.iter_mut().zip(own) {
+                mode.uncertain_rad_s.extend(own.in_poses.iter().map(|own| own.0));
+            }
+        }
         let mut shaper = Shaper::default();
         for mode in self.shape.iter().flat_map(|_| &modes) {
             let (omega_rad_s, ratio) = mode.middle();
@@ -139,8 +170,12 @@ fn modes_along(
     (state, numbers): (State, &[usize]),
 ) -> Result<Vec<Mode>, Failure> {
     let count = numbers.iter().copied().max().unwrap_or(1);
-    let mut modes: Vec<Mode> =
-        numbers.iter().map(|number| Mode { number: *number, in_poses: Vec::new() }).collect();
+    let mode = |number: &usize| Mode {
+        number: *number,
+        in_poses: Vec::new(),
+        uncertain_rad_s: Vec::new(),
+    };
+    let mut modes: Vec<Mode> = numbers.iter().map(mode).collect();
     for pose in poses(own, along)? {
         let found = computed(own, pose.as_deref(), count, Wanted::Modes)?;
         // Modes with weight have no ratios of their own: those without it are nearly the same.
@@ -230,12 +265,26 @@ impl State {
 }
 
 impl Shape {
-    /// Numbers of steps that bring a profile next to a zero of its spectrum at the mode; `None` if all durations count.
+    /// Numbers of steps next to the zeros of a profile's spectrum at the mode, each with the least worst case of all poses
+    /// and plants as far as halfway to the next zero; `None` if all durations count.
     pub(super) fn durations(&self, profile: Profile, step_s: f64) -> Option<Vec<usize>> {
         let mode = self.modes.first().filter(|_| self.shaping.is_none())?;
-        let phases = profile.quiet_phases(MOST_PHASE);
-        let steps = phases.map(|phase| whole(phase / (mode.middle().0 * step_s)));
-        let mut steps: Vec<usize> = steps.filter(|steps| *steps >= FEWEST_STEPS).collect();
+        let excitation = Excitation::of(profile);
+        let in_steps = |phase: f64| whole(phase / (mode.middle().0 * step_s));
+        let left = |steps: usize| mode.left(&excitation, steps as f64 * step_s);
+        let zeros: Vec<usize> = excitation.quiet_phases(MOST_PHASE).map(in_steps).collect();
+        let least = |number: usize| {
+            let zero = zeros[number];
+            let from = number.checked_sub(1).map_or(zero, |before| zeros[before].midpoint(zero));
+            let until = zeros.get(number + 1).map_or(zero, |next| next.midpoint(zero));
+            let down = (from..zero).rev().map(|steps| (left(steps), steps));
+            let up = (zero + 1..=until).map(|steps| (left(steps), steps));
+            let own = (left(zero), zero);
+            let lower = falls(own, down);
+            if lower == own { falls(own, up).1 } else { lower.1 }
+        };
+        let mut steps: Vec<usize> =
+            (0..zeros.len()).map(least).filter(|steps| *steps >= FEWEST_STEPS).collect();
         steps.dedup();
         Some(steps)
     }
@@ -264,15 +313,17 @@ impl Shape {
         let percent = |share: f64| significant(100.0 * share, 3);
         let Some(shaping) = self.shaping else {
             let mode = &self.modes[0];
-            let of = |omega_rad_s: f64| profile.amplitude(omega_rad_s * profile_s);
-            let left = mode.in_poses.iter().map(|own| of(own.0)).fold(0.0, f64::max);
+            let excitation = Excitation::of(profile);
+            let left = mode.left(&excitation, profile_s);
+            let most =
+                if mode.uncertain_rad_s.is_empty() { "" } else { " at most, in the intervals," };
             let omega_rad_s = mode.middle().0;
-            let zeros = profile.quiet_phases(MOST_PHASE).map(|phase| phase / omega_rad_s);
+            let zeros = excitation.quiet_phases(MOST_PHASE).map(|phase| phase / omega_rad_s);
             let far = |zero_s: &f64| (zero_s - profile_s).abs();
             let zero_s = zeros.min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or_default();
             let (zero, left) = (significant(zero_s, 5), percent(left));
             return format!(
-                "quiet at {modes}: {profile} has a zero at {zero} s; |A|/ω is {left} % of the travel"
+                "quiet at {modes}: {profile} has a zero at {zero} s; |A|/ω is{most} {left} % of the travel"
             );
         };
         let left = |mode: &Mode| {
@@ -291,6 +342,16 @@ impl Shape {
             "{shaping} for {modes}: each move lasts {shaper_s} s longer, {all_s} s in all{left}"
         )
     }
+}
+
+/// The last of the numbers of steps that leave ever less.
+fn falls(own: (f64, usize), more: impl Iterator<Item = (f64, usize)>) -> (f64, usize) {
+    let step = |last: &mut (f64, usize), next: (f64, usize)| {
+        let is_less = next.0 < last.0;
+        *last = if is_less { next } else { *last };
+        is_less.then_some(*last)
+    };
+    more.scan(own, step).last().unwrap_or(own)
 }
 
 /// The nearest whole number of steps.

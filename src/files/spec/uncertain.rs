@@ -133,7 +133,12 @@ fn interval_of(text: &str, is_factor: bool) -> Result<Interval, String> {
     let ((low, of_low), (high, of_high)) = (quantity(low)?, quantity(high)?);
     let (of_low, of_high) = (of_low.trim(), of_high.trim());
     let (ends, unit) = if of_low.is_empty() || of_low == of_high {
+        if of_high == "%" {
+            return Err(format!("{:?} has %, but a share must read ±SHARE%", excerpt(text)));
+        }
         ([low, high], of_high)
+    } else if of_high.is_empty() {
+        return Err(format!("HIGH = {high:?} must have a unit, as LOW has"));
     } else {
         let unit = |text: &str| Unit::parse(text).map_err(|error| format!("{text:?} {error}"));
         let (of_low, of_high) = (unit(of_low)?, unit(of_high)?);
@@ -209,7 +214,7 @@ impl LinkDocument {
             Interval::Around(..) => [0.0; 2],
         };
         let hint = || format!("give its values: {}=LOW..HIGH", own.path);
-        touched("*=1", &mut tree).map_err(|error| error.hinting(hint()))?;
+        touched("*=1", &mut tree)?;
         let mut leaves = Vec::new();
         leaves_of(&tree, Place::Override(changes.len()), &mut leaves);
         let numbers: Vec<Option<(f64, &str)>> = leaves.iter().map(|leaf| number(leaf)).collect();
@@ -218,7 +223,7 @@ impl LinkDocument {
             let found = leaves[zero].shown();
             let message =
                 format!("{} = {found}, of which a share or an amount has no meaning", own.path);
-            return Err(own.refused(&message, Some(hint())));
+            return Err(own.refused(&message, leaves.get(1).is_none().then(hint)));
         }
         let Interval::Around(amount, unit) = &own.interval else {
             return Ok(key(How::Factor, Some(1.0), ends));
@@ -235,6 +240,31 @@ impl LinkDocument {
             own.refused(&message, None)
         })?;
         Ok(key(How::Value(of_leaf.to_owned()), Some(value), [value - amount, value + amount]))
+    }
+}
+
+impl LinkDocument {
+    /// Numbers of the first two of these keys that change one value of the file both; such intervals contradict each other.
+    pub fn overlapping(&self, keys: &[Key], changes: &[Override]) -> Option<[usize; 2]> {
+        let mut tree = self.changed(changes).ok()?;
+        let mut counts = Vec::new();
+        for (number, key) in keys.iter().enumerate() {
+            let change = key.change(key.ends[1]);
+            let change = change.and_then(|change| Override::placed("", &change).ok());
+            if let Some(change) = change {
+                apply(&mut tree, changes.len() + number, &change).ok()?;
+            }
+            counts.push(0);
+            for (before, count) in counts.iter_mut().enumerate() {
+                let mut leaves = Vec::new();
+                leaves_of(&tree, Place::Override(changes.len() + before), &mut leaves);
+                if leaves.len() < *count {
+                    return Some([before, number]);
+                }
+                *count = leaves.len();
+            }
+        }
+        None
     }
 }
 
@@ -295,6 +325,8 @@ mod tests {
         for (text, part) in [
             ("segments.*.EI", "no `=`"),
             ("segments.*.EI=5%", "must be ±SHARE%"),
+            ("segments.*.EI=-5%..5%", "a share must read ±SHARE%"),
+            ("payload.mass=10 g..0.3", "HIGH = 0.3 must have a unit"),
             ("segments.*.EI=±120%", "below 100 %"),
             ("segments.*.EI*=±2 kg", "must be in % after"),
             ("payload.mass=9..4", "must be below HIGH"),
@@ -306,6 +338,22 @@ mod tests {
             let found = key(text).unwrap_err();
             assert!(found.contains(part), "{text}: {found}");
         }
+    }
+
+    #[test]
+    fn two_intervals_of_one_value_are_found() {
+        let document = LinkDocument::read("link.toml", LINK).unwrap();
+        let overlapping = |texts: &[&str]| {
+            let keys: Vec<Key> = texts.iter().map(|text| key(text).unwrap()).collect();
+            document.overlapping(&keys, &[])
+        };
+        assert_eq!(overlapping(&["segments.*.EI=±5%", "payload.mass=±2 g", "delay=0..1ms"]), None);
+        assert_eq!(overlapping(&["segments.0.EI=±5%", "segments.1.EI=±5%"]), None);
+        assert_eq!(
+            overlapping(&["payload.mass=0..1", "segments.*.EI*=±5%", "segments.1.EI=±5%"]),
+            Some([1, 2])
+        );
+        assert_eq!(overlapping(&["payload.mass=0..1", "payload.mass=±2 g"]), Some([0, 1]));
     }
 
     #[test]

@@ -61,7 +61,7 @@ impl Simulated {
         target: Option<FollowedTarget>,
     ) -> Result<Self, SimulationError> {
         let error = PlayError::of(&played, arm, play)?;
-        let metrics = PlayedMetrics::of(&played);
+        let metrics = PlayedMetrics::of(&played, arm);
         Ok(Self { played, metrics, error, target, comparison: None })
     }
 }

@@ -44,7 +44,7 @@ impl MotorHistories {
     /// ```
     ///
     /// f and x are those of [`Drive::with_losses`].
-    pub(super) fn of(
+    pub(crate) fn of(
         drive: &Drive,
         [joint_n_m, joint_rate]: [&[f64]; 2],
         [angle_rad, rate_rad_s, acceleration]: [Vec<f64>; 3],

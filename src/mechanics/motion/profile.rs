@@ -6,18 +6,6 @@ use std::fmt;
 use super::error::MotionError;
 use super::samples::MotionColumns;
 use super::tip_motion::TipMotion;
-use crate::numeric::GaussRule;
-
-/// Pieces of half the duration, between whose ends every profile is smooth, and Gauss points of each.
-const PIECES: usize = 6;
-const POINTS: usize = 32;
-
-/// Distance of the phases among which zeros are sought, and number of halvings of this distance.
-const SCAN: f64 = 0.1;
-const BISECTIONS: usize = 50;
-
-/// Amplitude below which a minimum is a double zero.
-const DOUBLE: f64 = 1e-12;
 
 /// Shape of a tip motion from rest to rest, over the share u of its duration.
 ///
@@ -105,7 +93,7 @@ impl Profile {
     }
 
     /// The share at u in [0, 1/2].
-    fn first_half(self, u: f64) -> f64 {
+    pub(super) fn first_half(self, u: f64) -> f64 {
         match self {
             Self::Sine => u - libm::sin(TAU * u) / TAU,
             Self::Versine => libm::sin(0.5 * PI * u).powi(2),
@@ -125,52 +113,6 @@ impl Profile {
                 0.5 - 0.5 * bell(6.0 - 12.0 * u) / bell(6.0)
             }
         }
-    }
-
-    /// Amplitude of the profile's spectrum at a phase x = ωT, T being the duration: `|A(ω)|/ω` over the distance, with
-    /// `A(ω) = ∫ a e^{−iωt} dt` of the acceleration. It is the vibration that the motion leaves in an undamped mode
-    /// whose frequency ω changes, over the relative change of the mode's stiffness.
-    pub fn amplitude(self, x: f64) -> f64 {
-        self.spectrum(x).0.abs()
-    }
-
-    /// Phases ωT at which [`amplitude`](Self::amplitude) is zero, ascending, up to `most`: a motion of these durations
-    /// does not excite a mode of frequency ω.
-    pub fn quiet_phases(self, most: f64) -> impl Iterator<Item = f64> {
-        // Simple zeros change the sign of the amplitude, double ones that of its slope alone.
-        let places = (1..).map(|k| SCAN * f64::from(k)).take_while(move |x| *x < most);
-        places.filter_map(move |low| {
-            let of = |x: f64| self.spectrum(x);
-            let (before, after) = (of(low), of(low + SCAN));
-            let crosses = |a: f64, b: f64| a.is_sign_negative() != b.is_sign_negative();
-            if crosses(before.0, after.0) {
-                return Some(bisected(low, |x| crosses(before.0, of(x).0)));
-            }
-            let turns = crosses(before.1, after.1);
-            let turn = turns.then(|| bisected(low, |x| crosses(before.1, of(x).1)))?;
-            (of(turn).0.abs() < DOUBLE).then_some(turn)
-        })
-    }
-
-    /// `∫ v cos(xs) ds` of the velocity over the share s of the duration, from the middle, and its derivative. By parts,
-    /// with the displacement h from the middle, it is `cos(x/2) + 2x ∫ h sin(xs) ds` over the second half.
-    fn spectrum(self, x: f64) -> (f64, f64) {
-        let rule = GaussRule::new(POINTS);
-        let width = 0.5 / PIECES as f64;
-        let pieces = (0..PIECES).map(|piece| (piece as f64 + 0.5) * width);
-        let points = pieces.flat_map(|middle| {
-            let points = rule.places.iter().zip(&rule.weights);
-            points.map(move |(place, weight)| (middle + 0.5 * width * place, weight * width))
-        });
-        let (mut sum, mut slope) = (0.0, 0.0);
-        for (s, weight) in points {
-            let h = 0.5 - self.first_half(0.5 - s);
-            let (sin, cos) = (libm::sin(x * s), libm::cos(x * s));
-            sum += weight * h * sin;
-            slope += weight * h * (sin + x * s * cos);
-        }
-        let ends = [libm::cos(0.5 * x), -0.5 * libm::sin(0.5 * x)];
-        (ends[0] + 2.0 * x * sum, ends[1] + 2.0 * slope)
     }
 
     /// The motion over `distance_m` in `duration_s`, sampled at `steps` + 1 times.
@@ -219,15 +161,6 @@ impl Profile {
             ..MotionColumns::default()
         }
     }
-}
-
-/// The place in (low, low + [`SCAN`]) from which on `is_beyond` holds.
-fn bisected(low: f64, is_beyond: impl Fn(f64) -> bool) -> f64 {
-    let (low, high) = (0..BISECTIONS).fold((low, low + SCAN), |(low, high), _| {
-        let middle = 0.5 * (low + high);
-        if is_beyond(middle) { (low, middle) } else { (middle, high) }
-    });
-    0.5 * (low + high)
 }
 
 impl fmt::Display for Profile {
@@ -311,47 +244,6 @@ mod tests {
             for (k, found) in (0..).zip(&samples) {
                 let exact = exact(f64::from(k) / f64::from(steps));
                 assert!((found - exact).abs() < 1e-4, "{profile} at {k}: {found} is not {exact}");
-            }
-        }
-    }
-
-    #[test]
-    fn quiet_phases_are_the_zeros_of_the_closed_spectra() {
-        let phases = |profile: Profile| profile.quiet_phases(31.0).collect::<Vec<f64>>();
-        // Zeros of the velocity's transform: a sine, half a period of a cosine, and products of two boxes.
-        let known: [(Profile, &[f64]); 4] = [
-            (Profile::Sine, &[4.0, 6.0, 8.0]),
-            (Profile::Versine, &[3.0, 5.0, 7.0, 9.0]),
-            (Profile::Trapezoid, &[3.0, 6.0, 9.0]),
-            (Profile::BangBang, &[4.0, 8.0]),
-        ];
-        for (profile, in_pi) in known {
-            let found = phases(profile);
-            assert_eq!(found.len(), in_pi.len(), "{profile}: {found:?}");
-            for (found, known) in found.iter().zip(in_pi) {
-                assert!((found - known * PI).abs() < 1e-6, "{profile}: {found}");
-            }
-        }
-        for profile in Profile::ALL {
-            let found = phases(profile);
-            assert!(found.iter().all(|x| profile.amplitude(*x) < 1e-12), "{profile}: {found:?}");
-        }
-        let first = phases(Profile::MinJerk)[0];
-        assert!((first - 11.5269).abs() < 1e-3, "{first}");
-    }
-
-    #[test]
-    fn amplitudes_are_the_integrals_of_the_accelerations() {
-        let steps = 24_000_u32;
-        let step = f64::from(steps).recip();
-        for profile in [Profile::Sine, Profile::MinJerk, Profile::Septic, Profile::SCurve] {
-            let samples = profile.sampled(1.0, step, 24_000, [0, 0]).acceleration_m_s2.unwrap();
-            for x in [0.5, 3.0, 17.0, 60.0] {
-                // About the middle the acceleration is odd.
-                let part = |(k, a): (u32, &f64)| a * libm::sin(x * (f64::from(k) * step - 0.5));
-                let integral = step * (0..).zip(&samples).map(part).sum::<f64>();
-                let off = (integral / x).abs() - profile.amplitude(x);
-                assert!(off.abs() < 1e-7, "{profile} at {x}: {off:e}");
             }
         }
     }

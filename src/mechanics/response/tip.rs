@@ -10,6 +10,7 @@ use super::history::Feedback;
 use super::modes::Equations;
 use super::play::{Input, Play, Started, continued};
 use super::pose::ArmPose;
+use super::pose_modes::PoseMode;
 use super::simulation::bent_tip;
 use super::stepper::Stepper;
 use crate::beam::{Mesh, MeshPlan};
@@ -21,7 +22,7 @@ use crate::numeric::{TimeGrid, magnitude};
 pub(crate) const NEGLIGIBLE: f64 = 1e-7;
 
 /// Modes that feedback couples, in the search of the loop's slowest vibration.
-const MODES_OF_LOOP: usize = 6;
+const MODES_OF_LOOP: usize = 12;
 
 /// Imaginary part of a pole over its magnitude, or ω² over the largest, below which nothing rings.
 const RINGS: f64 = 1e-9;
@@ -123,30 +124,50 @@ fn linear(
     }
 }
 
+/// A free mode of the plant: ω² in 1/s², its decay 2ζω in 1/s, and the displacement of each joint.
+struct FreeMode {
+    square_per_s2: f64,
+    rate_per_s: f64,
+    joints: Vec<f64>,
+}
+
 /// The lowest mode of a linear link that rings.
 fn rings(equations: &Equations, play: &Play<'_>) -> Option<Ringing> {
     if play.feedback.is_empty() {
-        let first = equations.coordinates.get(1)?;
-        let omega_rad_s = first.square.sqrt();
-        let ratio = 0.5 * first.rate_per_s / omega_rad_s;
-        let period_s = TAU / omega_rad_s / (1.0 - ratio * ratio).max(0.0).sqrt();
-        return Some(Ringing { period_s, ratio }).filter(|own| own.period_s.is_finite());
+        let alone = equations.coordinates.iter().skip(1).map(|own| {
+            let omega_rad_s = own.square.sqrt();
+            let ratio = 0.5 * own.rate_per_s / omega_rad_s;
+            let period_s = TAU / omega_rad_s / (1.0 - ratio * ratio).max(0.0).sqrt();
+            Ringing { period_s, ratio }
+        });
+        return alone.into_iter().find(|own| own.period_s.is_finite());
     }
-    let count = equations.coordinates.len().min(MODES_OF_LOOP);
+    let own = equations.coordinates.iter().take(MODES_OF_LOOP).map(|own| FreeMode {
+        square_per_s2: own.square,
+        rate_per_s: own.rate_per_s,
+        joints: vec![own.hub_angle],
+    });
     let reaction = equations.reaction;
+    rings_in_loop(
+        &own.collect::<Vec<_>>(),
+        &[[reaction.stiffness_n_m_rad, reaction.damping_n_m_s_rad]],
+    )
+}
+
+/// The slowest vibration of modes whose joints have feedback with these gains.
+fn rings_in_loop(modes: &[FreeMode], gains: &[[f64; 2]]) -> Option<Ringing> {
+    let count = modes.len();
     let matrix = DMatrix::from_fn(2 * count, 2 * count, |row, column| {
         if row < count {
             return f64::from(u8::from(column == row + count));
         }
-        let (own, other) =
-            (equations.coordinates[row - count], equations.coordinates[column % count]);
-        let hub = own.hub_angle * other.hub_angle;
-        let alone = |value: f64| if column % count == row - count { value } else { 0.0 };
-        if column < count {
-            -alone(own.square) - hub * reaction.stiffness_n_m_rad
-        } else {
-            -alone(own.rate_per_s) - hub * reaction.damping_n_m_s_rad
-        }
+        let (own, other) = (&modes[row - count], &modes[column % count]);
+        let part = column / count;
+        let pairs = own.joints.iter().zip(&other.joints).zip(gains);
+        let fed: f64 = pairs.map(|((a, b), gains)| a * b * gains[part]).sum();
+        let is_same = column % count == row - count;
+        let alone = if is_same { [own.square_per_s2, own.rate_per_s][part] } else { 0.0 };
+        -alone - fed
     });
     let poles = matrix.schur().complex_eigenvalues();
     let size = |pole: &Complex64| magnitude(*pole);
@@ -162,23 +183,39 @@ fn rings_bent(
     play: &Play<'_>,
     directions_rad: &[f64],
 ) -> Option<Ringing> {
-    let springs = match play.input {
-        Input::Angles(joints) => Some(vec![f64::INFINITY; joints.len()]),
-        Input::Torques(_) if play.feedback.is_empty() => None,
-        Input::Torques(_) => Some(play.feedback.iter().map(Feedback::stiffness_n_m_rad).collect()),
-    };
-    let squares: Vec<f64> = if let Some(link) = arm.alone() {
-        let hub = springs.map_or(PoseHub::Free, |springs| PoseHub::Spring(springs[0]));
+    let (is_held, has_gains) = (matches!(play.input, Input::Angles(_)), !play.feedback.is_empty());
+    let count = if has_gains { MODES_OF_LOOP } else { arm.links().len() + 2 };
+    let modes: Vec<FreeMode> = if let Some(link) =
+        arm.alone().filter(|own| own.joint().slides() || !has_gains)
+    {
+        let hub = if is_held { PoseHub::Spring(f64::INFINITY) } else { PoseHub::Free };
         let along = |own: &Gravity| own.along_m_s2(directions_rad[0]);
-        let modes = pose_modes(&meshes[0], link.gravity().map_or(0.0, along), hub, 3)?;
-        modes.into_iter().map(|(square, _)| square).collect()
+        let modes = pose_modes(&meshes[0], link.gravity().map_or(0.0, along), hub, count)?;
+        // The root of a link on a carriage moves with it.
+        let mode = |(square_per_s2, across): (f64, Vec<f64>)| FreeMode {
+            square_per_s2,
+            rate_per_s: 0.0,
+            joints: vec![across[0]],
+        };
+        modes.into_iter().map(mode).collect()
     } else {
         let pose = ArmPose::of(arm, directions_rad, (0.0, 2)).ok()?;
-        let modes = pose.modes(springs.as_deref(), arm.links().len() + 1).ok()?;
-        modes.into_iter().map(|mode| mode.square_per_s2).collect()
+        let held = vec![f64::INFINITY; arm.links().len()];
+        let modes = pose.modes(is_held.then_some(&held[..]), count).ok()?;
+        let mode = |own: PoseMode| FreeMode {
+            square_per_s2: own.square_per_s2,
+            rate_per_s: 2.0 * own.damping_ratio.unwrap_or(0.0) * own.square_per_s2.max(0.0).sqrt(),
+            joints: pose.joints.iter().map(|joint| own.shape[*joint]).collect(),
+        };
+        modes.into_iter().map(mode).collect()
     };
-    let most = squares.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
-    let rings = squares.into_iter().filter(|square| *square > RINGS * most);
+    if has_gains {
+        let gains = |own: &Feedback| [own.stiffness_n_m_rad(), own.damping_n_m_s_rad()];
+        return rings_in_loop(&modes, &play.feedback.iter().map(gains).collect::<Vec<_>>());
+    }
+    let squares = modes.iter().map(|own| own.square_per_s2);
+    let most = squares.clone().fold(0.0, |most: f64, own| most.max(own.abs()));
+    let rings = squares.filter(|square| *square > RINGS * most);
     let square = rings.reduce(f64::min)?;
     Some(Ringing { period_s: TAU / square.sqrt(), ratio: 0.0 })
 }

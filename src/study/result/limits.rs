@@ -159,6 +159,11 @@ impl Limits {
         }
     }
 
+    /// Keys of the limits that are set.
+    pub fn keys(&self) -> impl Iterator<Item = &'static str> {
+        self.entries().map(|(_, key, _)| key)
+    }
+
     /// The limit of a key in SI, such as `torque`.
     pub fn of(&self, key: &str) -> Option<f64> {
         self.entries().find(|(_, own, _)| *own == key).map(|(.., limit)| limit)

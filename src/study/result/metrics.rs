@@ -2,6 +2,7 @@
 
 use super::peak::{Peak, Peaks};
 use crate::inverse::{MotorHistories, Solution};
+use crate::link::{Arm, Drive};
 use crate::motion::{Ends, TipMotionHistories};
 use crate::numeric::{TimeGrid, dot, extremes, largest};
 use crate::response::{JointMotion, Played};
@@ -67,11 +68,18 @@ pub struct JointMetrics {
 /// Numbers of the motor, on its own side of the gear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorMetrics {
-    /// Largest torque of the motor in N m.
-    pub peak_torque_n_m: Peak,
+    /// Its peaks.
+    pub peaks: MotorPeaks,
     /// Root mean square of the motor's torque in N m while it acts: from the first to the last one
     /// above 2 % of its peak.
     pub rms_torque_n_m: f64,
+}
+
+/// Peaks of the motor, on its own side of the gear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotorPeaks {
+    /// Largest torque of the motor in N m.
+    pub peak_torque_n_m: Peak,
     /// Largest rate of the rotor in rad/s.
     pub peak_rate_rad_s: Peak,
     /// Largest mechanical power of the motor in W.
@@ -191,13 +199,17 @@ pub struct PlayedJoint {
     pub peak_power_w: Peak,
     /// Largest deflection of the tip of one link from the hub's tangent line in m.
     pub peak_deflection_m: Option<Peak>,
+    /// Peaks of the motor; absent without a drive, and behind an elastic joint, whose rotor a simulation does not move.
+    pub motor: Option<MotorPeaks>,
 }
 
 impl PlayedMetrics {
-    /// Reads the numbers off a simulation.
-    pub fn of(played: &Played) -> Self {
+    /// Reads the numbers off a simulation of a link or an arm.
+    pub fn of(played: &Played, arm: &Arm) -> Self {
         let (tip, last) = (&played.tip, played.grid.len - 1);
-        let joints = played.joints.iter().map(|joint| PlayedJoint::of(&played.grid, joint));
+        let drives = arm.links().iter().map(|own| own.link.drive()).chain(std::iter::repeat(None));
+        let joints = played.joints.iter().zip(drives);
+        let joints = joints.map(|(joint, drive)| PlayedJoint::of(&played.grid, joint, drive));
         let mut joints: Vec<PlayedJoint> = joints.collect();
         match &mut joints[..] {
             [hub] => {
@@ -233,8 +245,14 @@ fn along_or_apart(axes: impl Iterator<Item = f64>) -> f64 {
 }
 
 impl PlayedJoint {
-    fn of(grid: &TimeGrid, joint: &JointMotion) -> Self {
+    fn of(grid: &TimeGrid, joint: &JointMotion, drive: Option<&Drive>) -> Self {
         let peaks = Peaks { grid, per_cycle: None };
+        let drive = drive.filter(|drive| drive.joint_stiffness_n_m_rad.is_infinite());
+        let motor = drive.map(|drive| {
+            let rotor = [&joint.angle_rad, &joint.rate_rad_s, &joint.acceleration_rad_s2];
+            let rotor = rotor.map(|own| own.iter().map(|x| drive.gear_ratio * x).collect());
+            MotorHistories::of(drive, [&joint.torque_n_m, &joint.rate_rad_s], rotor)
+        });
         let (torque, angle, rate) = (&joint.torque_n_m, &joint.angle_rad, &joint.rate_rad_s);
         let turned: Vec<f64> = angle.iter().map(|own| own - angle[0]).collect();
         Self {
@@ -247,6 +265,7 @@ impl PlayedJoint {
             peak_hub_acceleration_rad_s2: peaks.of(&joint.acceleration_rad_s2),
             peak_power_w: peaks.of_product(torque, rate),
             peak_deflection_m: None,
+            motor: motor.map(|motor| MotorPeaks::of(&motor, &peaks)),
         }
     }
 }
@@ -347,14 +366,19 @@ impl Acting {
 
 impl MotorMetrics {
     fn of(motor: &MotorHistories, peaks: &Peaks, acts: impl Fn(&[f64], Peak) -> Acting) -> Self {
+        let (torque, peaks) = (&motor.torque_n_m[..], MotorPeaks::of(motor, peaks));
+        Self { peaks, rms_torque_n_m: acts(torque, peaks.peak_torque_n_m).rms(torque) }
+    }
+}
+
+impl MotorPeaks {
+    fn of(motor: &MotorHistories, peaks: &Peaks) -> Self {
         let MotorHistories { torque_n_m: torque, rate_rad_s: rate, .. } = motor;
         // Losses change their sign within few samples: waves through these would swing beyond them.
         let per_cycle = peaks.per_cycle.filter(|_| !motor.has_losses());
         let (smooth, peaks) = (peaks, &Peaks { per_cycle, ..*peaks });
-        let peak_torque_n_m = peaks.of(torque);
         Self {
-            peak_torque_n_m,
-            rms_torque_n_m: acts(torque, peak_torque_n_m).rms(torque),
+            peak_torque_n_m: peaks.of(torque),
             peak_rate_rad_s: smooth.of(rate),
             peak_power_w: peaks.of_product(torque, rate),
             peak_current_a: motor.current_a.as_ref().map(|own| peaks.of(own)),

@@ -21,7 +21,9 @@ pub use channels::{
 pub use errors::{BandMeshError, CoarseMesh, Refined, mesh_errors};
 pub use fit::{Along, Fit, FitError, FitProblem, OpenMotion, shortest_fit, solved};
 pub use limits::{Check, Exceeded, LimitedValue, Limits, Reached, reached};
-pub use metrics::{JointMetrics, Metrics, MotorMetrics, PlayedJoint, PlayedMetrics, TIMING_LEVEL};
+pub use metrics::{
+    JointMetrics, Metrics, MotorMetrics, MotorPeaks, PlayedJoint, PlayedMetrics, TIMING_LEVEL,
+};
 pub use modes::{LinkZeros, ModesResult, Setting};
 pub use peak::Peak;
 pub(crate) use quantities::by_name;

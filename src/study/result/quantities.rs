@@ -141,11 +141,12 @@ pub const QUANTITIES: [JointQuantity; 22] = [
         .is("Root mean square of the mechanical power at the hub while the torque acts.")
         .limited("rms_power", |own| own.power_w)
         .shown(("hub", ", rms {} W"), THREE),
-    of_motor("peak_motor_torque", TORQUE, |own| Some(own.motor?.peak_torque_n_m.value))
+    of_motor("peak_motor_torque", TORQUE, |own| Some(own.motor?.peaks.peak_torque_n_m.value))
         .is("Peak torque of the motor, on its side of the gear; as all limits of the motor, needs a [drive].")
         .limited("motor_torque", |own| own.motor_torque_n_m)
-        .shown(("motor", "peak {} N m"), FOUR),
-    of_motor("peak_motor_torque_time", TIME, |own| Some(own.motor?.peak_torque_n_m.time_s))
+        .shown(("motor", "peak {} N m"), FOUR)
+        .played(|own| Some(own.motor?.peak_torque_n_m.value)),
+    of_motor("peak_motor_torque_time", TIME, |own| Some(own.motor?.peaks.peak_torque_n_m.time_s))
         .is("Time of the motor's peak torque.")
         .shown(("motor", " at {} s"), |time_s| instant(time_s, 3))
         .not_swept(),
@@ -153,24 +154,28 @@ pub const QUANTITIES: [JointQuantity; 22] = [
         .is("Root mean square of the motor's torque while it acts.")
         .limited("motor_rms_torque", |own| own.motor_torque_n_m)
         .shown(("motor", ", rms {} N m"), THREE),
-    of_motor("peak_motor_rate", RATE, |own| Some(own.motor?.peak_rate_rad_s.value))
+    of_motor("peak_motor_rate", RATE, |own| Some(own.motor?.peaks.peak_rate_rad_s.value))
         .is("Peak rate of the rotor, an angle per time.")
         .limited("motor_rate", |own| own.motor_rate_rad_s)
-        .shown(("motor", "; {} rad/s"), FOUR),
-    of_motor("peak_motor_power", POWER, |own| Some(own.motor?.peak_power_w.value))
+        .shown(("motor", "; {} rad/s"), FOUR)
+        .played(|own| Some(own.motor?.peak_rate_rad_s.value)),
+    of_motor("peak_motor_power", POWER, |own| Some(own.motor?.peaks.peak_power_w.value))
         .is("Peak mechanical power of the motor.")
         .limited("motor_power", |own| own.motor_power_w)
-        .shown(("motor", ", {} W"), FOUR),
-    of_motor("peak_motor_current", CURRENT, |own| Some(own.motor?.peak_current_a?.value))
+        .shown(("motor", ", {} W"), FOUR)
+        .played(|own| Some(own.motor?.peak_power_w.value)),
+    of_motor("peak_motor_current", CURRENT, |own| Some(own.motor?.peaks.peak_current_a?.value))
         .needs(MotorKnown::Current)
         .is("Peak current of the motor; needs drive.torque_constant.")
         .limited("motor_current", |own| own.motor_current_a)
-        .shown(("motor", ", {} A"), FOUR),
-    of_motor("peak_motor_voltage", VOLTAGE, |own| Some(own.motor?.peak_voltage_v?.value))
+        .shown(("motor", ", {} A"), FOUR)
+        .played(|own| Some(own.motor?.peak_current_a?.value)),
+    of_motor("peak_motor_voltage", VOLTAGE, |own| Some(own.motor?.peaks.peak_voltage_v?.value))
         .needs(MotorKnown::Voltage)
         .is("Peak voltage of the motor; needs drive.torque_constant and drive.resistance.")
         .limited("motor_voltage", |own| own.motor_voltage_v)
-        .shown(("motor", ", {} V"), FOUR),
+        .shown(("motor", ", {} V"), FOUR)
+        .played(|own| Some(own.motor?.peak_voltage_v?.value)),
 ];
 
 const fn of_joint(
@@ -315,7 +320,7 @@ impl Errors {
         let peaks = |peak: [Peak; 2]| peak.map(|peak| peak.value);
         let [peak_n_m, peak_rad_s] = peaks([metrics.peak_torque_n_m, metrics.peak_hub_rate_rad_s]);
         let motor =
-            metrics.motor.map(|motor| peaks([motor.peak_torque_n_m, motor.peak_rate_rad_s]));
+            metrics.motor.map(|own| peaks([own.peaks.peak_torque_n_m, own.peaks.peak_rate_rad_s]));
         let [motor_n_m, motor_rad_s] = motor.unwrap_or_default();
         let drive = solution.arm.links().get(number).and_then(|own| own.link.drive());
         let constant = drive.and_then(|drive| drive.torque_constant_n_m_a).unwrap_or(0.0);

@@ -276,7 +276,7 @@ impl Command {
         } else {
             let until_s = Some(tip.grid.end_s());
             let played = simulate(arm, plans, &Play { until_s, ..play }, &|_| {})?;
-            PlayedMetrics::of(&played).limited(limits)
+            PlayedMetrics::of(&played, arm).limited(limits)
         };
         let error_m = self.error_m(&tip.grid, &tip.at_m, delay_s);
         let period_s = tip.rings.map(|own| own.period_s);
@@ -412,20 +412,19 @@ pub fn directions_rad(solution: &Solution, sample: usize) -> Vec<f64> {
     match solution.arm.alone() {
         None => solution.shapes().map(|shape| shape.chord[0][sample]).collect(),
         Some(link) => {
-            let from_rad = start_angle_rad(solution).unwrap_or(0.0);
+            let from_rad = start_angle_rad(solution).or(link.direction_rad()).or(link.origin_rad());
             let turn = if link.joint().slides() {
                 0.0
             } else {
                 solution.tip[0].displacement_m[sample] / link.rigid_tip()
             };
-            vec![from_rad + turn]
+            vec![from_rad.unwrap_or(0.0) + turn]
         }
     }
 }
 
-/// Direction of one link at zero displacement of its tip.
+/// Direction of a link at zero displacement of its tip, where the motion has it.
 fn start_angle_rad(solution: &Solution) -> Option<f64> {
     let tip = solution.motion.tip()?;
-    let own = tip.target(solution.grid.time_s(0), solution.grid.end_s()).start_angle_rad();
-    own.or(solution.arm.alone().and_then(crate::link::Link::direction_rad))
+    tip.target(solution.grid.time_s(0), solution.grid.end_s()).start_angle_rad()
 }

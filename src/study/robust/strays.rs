@@ -49,7 +49,7 @@ pub struct Strays {
     pub rest_vibration_m: f64,
     /// Mean of e in m over the same period; of an arm its size.
     pub drift_m: f64,
-    /// Time in s from the end of the motion until |e| stays within the band. `None` if it does not.
+    /// Time in s from the end of the motion until |e| stays within the band, for a period at least. `None` if it does not.
     pub settling_s: Option<f64>,
     /// The period in s; `None` if nothing rings, and then the end alone counts.
     pub period_s: Option<f64>,
@@ -88,11 +88,11 @@ impl Strays {
             axes => norm((0..axes).map(mean)),
         };
         let outside = (0..grid.len).rev().find(|k| sample(*k) > band_m);
-        let settling_s = match outside {
-            Some(k) if k + 1 == grid.len => None,
-            Some(k) => Some((grid.time_s(k + 1) - end_s).max(0.0)),
-            None => Some(0.0),
-        };
+        // A wave is within the band only if it stays there for a whole period.
+        let settled_s = outside.map_or(grid.time_s(0), |k| grid.time_s(k) + grid.step_s);
+        let stays_s = grid.end_s() - settled_s;
+        let is_settled = stays_s >= period_s.unwrap_or(0.0) && stays_s >= 0.0;
+        let settling_s = is_settled.then(|| (settled_s - end_s).max(0.0));
         Self {
             tip_error_m: near.map(size).fold(0.0, f64::max),
             rest_vibration_m: 0.5 * widest(&after),
@@ -162,6 +162,12 @@ mod tests {
         assert_eq!(found.settling_s, Some(0.0));
         let narrow = Strays::of(from_ref(&e), &grid, (1.0, Some(0.7)), 0.01);
         assert_eq!(narrow.settling_s, None);
+        // A play that ends within a wave says nothing: |e| ≤ 0.148 in its last 0.62 s, less than the period.
+        let short = TimeGrid { len: 916, ..grid };
+        let wave = |t: f64| if t < 1.0 { 0.1 } else { 0.1 + 0.05 * (TAU * (t - 1.0) / 0.7).cos() };
+        let waves: Vec<f64> = (0..short.len).map(|k| wave(short.time_s(k))).collect();
+        let ringing = Strays::of(from_ref(&waves), &short, (1.0, Some(0.7)), 0.148);
+        assert_eq!(ringing.settling_s, None);
         // Along two axes the drift is a length, and the vibration the same along any direction.
         let turned = [e.iter().map(|e| 0.6 * e).collect(), e.iter().map(|e| -0.8 * e).collect()];
         let both = Strays::of(&turned, &grid, (1.0, Some(0.7)), 0.2);

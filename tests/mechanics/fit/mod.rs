@@ -87,7 +87,7 @@ fn hub_peak(solution: &Solution) -> f64 {
 /// The same of the motor.
 fn motor_peak(solution: &Solution) -> f64 {
     let motor = Metrics::of(solution).hub().motor.unwrap();
-    with_errors(motor.peak_torque_n_m.value, solution.hub().errors.motor_torque.unwrap())
+    with_errors(motor.peaks.peak_torque_n_m.value, solution.hub().errors.motor_torque.unwrap())
 }
 
 /// A peak of every number of steps from 4 on; none where it cannot be solved.

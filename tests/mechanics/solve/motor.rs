@@ -34,8 +34,8 @@ fn a_stiff_light_drive_without_a_gear_is_the_hub_itself() {
     assert_eq!(motor.rate_rad_s, solution.hub().rate_rad_s);
     let metrics = *Metrics::of(&solution).hub();
     let motor = metrics.motor.unwrap();
-    assert_eq!(motor.peak_torque_n_m, metrics.peak_torque_n_m);
-    assert_eq!((motor.peak_rate_rad_s, motor.peak_power_w), hub_peaks(&metrics));
+    assert_eq!(motor.peaks.peak_torque_n_m, metrics.peak_torque_n_m);
+    assert_eq!((motor.peaks.peak_rate_rad_s, motor.peaks.peak_power_w), hub_peaks(&metrics));
     assert!((motor.rms_torque_n_m / metrics.rms_torque_n_m - 1.0).abs() < 1e-15);
 }
 
@@ -193,9 +193,9 @@ fn losses_of_friction_and_gear_are_the_motors_work_less_the_joints() {
     assert!(phases.iter().all(|samples| *samples > 20), "it drives and brakes: {phases:?}");
     assert!(work_j > 0.05 && (work_j / heat_j - 1.0).abs() < 1e-9, "{work_j} {heat_j}");
     let metrics = Metrics::of(&solution).hub().motor.unwrap();
-    let current_a = metrics.peak_current_a.unwrap().value;
-    assert!((current_a / (metrics.peak_torque_n_m.value / 0.05) - 1.0).abs() < 1e-12);
-    assert!(metrics.peak_voltage_v.unwrap().value >= peak(motor.voltage_v.as_ref().unwrap()));
+    let current_a = metrics.peaks.peak_current_a.unwrap().value;
+    assert!((current_a / (metrics.peaks.peak_torque_n_m.value / 0.05) - 1.0).abs() < 1e-12);
+    assert!(metrics.peaks.peak_voltage_v.unwrap().value >= peak(motor.voltage_v.as_ref().unwrap()));
 }
 
 /// On a mesh of two elements the torque is off by more than rounding: the written error of the motor's torque must

@@ -218,7 +218,7 @@ fn every_limit_is_a_check_and_the_error_counts() {
     let mut run = rome(Analysis::new(1e-4, None, None).unwrap());
     let metrics = *Metrics::of(&run.solution).hub();
     let motor = metrics.motor.unwrap();
-    let (torque, power) = (metrics.peak_torque_n_m.value, motor.peak_power_w.value);
+    let (torque, power) = (metrics.peak_torque_n_m.value, motor.peaks.peak_power_w.value);
     let errors = run.solution.hub().errors.torque;
     let error = errors.mesh + errors.window;
     let limits = |share: f64| {
