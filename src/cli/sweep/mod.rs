@@ -65,6 +65,9 @@ PATH is that of --set, with = for values and *= for factors; distance*= and dura
 motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
 have a unit. Several --vary make the product, the last one running fastest.
 
+With --torque every case plays one table as simulate does: torques, with feedback or without, a motion of the joints \
+or voltages. A row says how far the tip strays from MOTION.
+
 An arm of several links and its path (docs/arms.md) take the same: a row has the numbers of every joint.";
 
 /// Most cases of one run; at a millisecond each they take more than a week.
