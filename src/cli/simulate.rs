@@ -15,7 +15,7 @@ use crate::text::{plain, shown_path};
 
 use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments};
 use crate::cli::options::inputs::{LinkArgs, ReadArgs};
-use crate::cli::options::play::{PlayArgs, Playing};
+use crate::cli::options::play::{DrivenFiles, PlayArgs, Playing};
 use crate::cli::terminal::files::{keep, keep_inputs};
 use crate::cli::terminal::text::simulate_text;
 use crate::cli::terminal::{
@@ -164,17 +164,15 @@ impl Simulate {
         let specification = self.nodes.meshed(specification)?;
         let order = specification.analysis.second_order_of(specification.link());
         let is_large = order != SecondOrder::None;
-        let moved = if self.play.is_under_voltage() {
-            specification.arm.under_voltages().map_err(|error| {
-                let message =
-                    format!("{}{}", shown(&file), specification.arm.worded(&error.to_string()));
-                let hint = "[drive] has torque_constant in N m/A and resistance in ohm";
-                Failure::new(Exit::InputRefused, &message, Some(hint))
-            })?
-        } else {
-            specification.arm.clone()
+        let arm = &specification.arm;
+        let mut playing = self.play.load(arm, is_large, &self.read)?;
+        let moved = match self.play.moving.under_voltages(&file, arm, &playing.moves.moving)? {
+            Some((moved, moving)) => {
+                playing.moves.moving = moving;
+                moved
+            }
+            None => arm.clone(),
         };
-        let playing = self.play.load(&specification.arm, is_large, &self.read)?;
         Ok(Inputs { file, specification, moved, playing })
     }
 
@@ -212,7 +210,8 @@ impl Simulate {
 
     /// The failure of a simulation, with the file or option that causes it.
     fn refused(&self, error: &SimulationError, inputs: &Inputs) -> Failure {
-        let Playing { file, reference_file, state_file, .. } = &inputs.playing;
+        let Playing { files: DrivenFiles { input: file, reference, .. }, state_file, .. } =
+            &inputs.playing;
         let (exit, place) = match error {
             SimulationError::NoTorque
             | SimulationError::NoTurn
@@ -221,7 +220,7 @@ impl Simulate {
             }
             SimulationError::OtherTimes { .. }
             | SimulationError::Cycle(CycleError::Reference { .. }) => {
-                (Exit::InputRefused, shown(reference_file.as_ref().unwrap_or(file)))
+                (Exit::InputRefused, shown(reference.as_ref().unwrap_or(file)))
             }
             // The target is longer than the input.
             SimulationError::TooLong { until_s, samples, limit } if self.play.until.is_none() => {
@@ -269,17 +268,12 @@ impl Simulate {
 
     /// Writes all tables and summary.json. With --save-state it also writes the state at the end.
     fn write(&self, inputs: &Inputs, run: &PlayedRun<'_>) -> Result<Summary, Failure> {
-        let Playing { file, target_file, measured, reference_file, state_file, .. } =
-            &inputs.playing;
-        let carriage_files = &inputs.playing.carriage_files;
+        let Playing { files, target_file, measured, state_file, .. } = &inputs.playing;
         let files = SimulateFiles {
-            input: file,
-            carriage: carriage_files[0].as_ref(),
             target: target_file.as_ref(),
             measured: measured.as_ref().map(|(file, _)| file),
-            reference: reference_file.as_ref(),
-            carriage_reference: carriage_files[1].as_ref(),
             state: state_file.as_ref(),
+            ..files.recorded()
         };
         let kind = (run.play.input.is_torque(), run.arm.joint().slides());
         let record = RunInputs::of_simulate(&inputs.file, &files, kind, self.arguments());

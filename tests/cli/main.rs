@@ -50,6 +50,7 @@ mod start;
 mod streams;
 mod summary;
 mod sweep;
+mod sweep_plays;
 mod sweep_record;
 mod sweep_shards;
 mod torque_table;

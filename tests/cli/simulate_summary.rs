@@ -48,13 +48,13 @@ fn every_documented_key_is_there() {
     // Feedback is recorded as it is given.
     simulated(&bench, &format!("out/torque.csv {feedback} --until 5"));
     let arguments = &bench.json("simulated/summary.json")["inputs"]["arguments"];
-    assert_eq!(*arguments, serde_json::json!(["--until", "5", "--feedback", "20,2"]));
+    assert_eq!(*arguments, serde_json::json!(["--feedback", "20,2", "--until", "5"]));
 }
 
 #[test]
 fn what_was_not_given_is_null_and_arguments_are_recorded() {
     let bench = solved();
-    let options = "--set payload.mass=0.05 --column torque_n_m --until 5 --linear --nodes 10 --every 7 \
+    let options = "--set payload.mass=0.05 --column torque_n_m --linear --until 5 --nodes 10 --every 7 \
                    --digits full";
     simulated(&bench, &format!("out/torque.csv {options} --no-sync"));
     let summary = bench.json("simulated/summary.json");

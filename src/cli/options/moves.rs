@@ -91,17 +91,20 @@ impl AtRest {
     }
 }
 
-impl Moves {
-    fn input(&self) -> Input<'_> {
-        match &self.moving {
-            Moving::Torques(torques) => Input::Torques(torques),
-            Moving::Angles(hubs) => Input::Angles(hubs),
+impl Moving {
+    /// The input of a play.
+    pub fn input(&self) -> Input<'_> {
+        match self {
+            Self::Torques(torques) => Input::Torques(torques),
+            Self::Angles(hubs) => Input::Angles(hubs),
         }
     }
+}
 
+impl Moves {
     /// The play up to the time of the call, or else to the later end of input and target.
     pub fn play(&self) -> Play<'_> {
-        let input = self.input();
+        let input = self.moving.input();
         let end_s = input.grid().end_s();
         let both_s = self.target.as_ref().map(|target| target.grid.end_s().max(end_s));
         let (initial_tip_m, start) = match &self.start {

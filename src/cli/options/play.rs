@@ -1,4 +1,4 @@
-//! Inputs of `simulate`, and targets for comparison.
+//! Inputs of `simulate` and of the plays of `sweep`, and targets for comparison.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::link::{Arm, Drive, ParameterError};
 use crate::numeric::TimeGrid;
 use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
-use crate::store::read_state;
+use crate::store::{SimulateFiles, read_state};
 
 use super::common::{angle_rad, finite, metres, option};
 use super::inputs::{ReadArgs, tell, worded};
@@ -95,16 +95,9 @@ impl HoldArgs {
     }
 }
 
-/// Input, references and options of `simulate`.
+/// What moves the joints, and the feedback around their motion: options of `simulate` and of `sweep`.
 #[derive(Debug, Args)]
-pub(crate) struct PlayArgs {
-    /// Torque at the hub (CSV): `time` and `torque`; with --input hub-angle `time` and `hub_angle`. Of an arm `time` and
-    /// `torque1`, `torque2`, …; with --input hub-angle `time` and `joint1`, `joint2`, … On a carriage `time` and
-    /// `force`; with --input carriage `time` and `carriage`. Of an arm on a carriage all of these, or those of the joints with
-    /// force.csv or carriage.csv beside the file.
-    #[arg(value_name = "TORQUE")]
-    pub(crate) file: PathBuf,
-
+pub(crate) struct MovingArgs {
     /// Quantity in TORQUE: the torque, or the hub angle (for an arm the angles of its joints), which the hub follows
     /// exactly while the torque is computed. The hub rests before the first sample and keeps its rate after the last. On a
     /// carriage the force, or the position of the carriage. `voltage` is that of the motor of [drive], of an arm `voltage1`,
@@ -116,13 +109,39 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "NAME")]
     column: Option<String>,
 
+    #[command(flatten)]
+    hold: HoldArgs,
+
+    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad, at a carriage in N/m and N s/m; for an arm
+    /// one pair for all joints, or a pair for each, its carriage last.
+    #[arg(long, value_name = "KP,KD", requires = "reference")]
+    #[arg(value_parser = gains, allow_hyphen_values = true)]
+    feedback: Option<Gains>,
+
+    /// Motion that the feedback follows (CSV), at the times of TORQUE: `hub_angle.csv` of solve, `joint_angles.csv` for
+    /// an arm, `carriage.csv` for a carriage; for an arm on a carriage both in one table, or carriage.csv beside the file.
+    /// The simulation starts at its first row.
+    #[arg(long, value_name = "FILE", requires = "feedback")]
+    pub(crate) reference: Option<PathBuf>,
+}
+
+/// Input, references and options of `simulate`.
+#[derive(Debug, Args)]
+pub(crate) struct PlayArgs {
+    /// Torque at the hub (CSV): `time` and `torque`; with --input hub-angle `time` and `hub_angle`. Of an arm `time` and
+    /// `torque1`, `torque2`, …; with --input hub-angle `time` and `joint1`, `joint2`, … On a carriage `time` and
+    /// `force`; with --input carriage `time` and `carriage`. Of an arm on a carriage all of these, or those of the joints with
+    /// force.csv or carriage.csv beside the file.
+    #[arg(value_name = "TORQUE")]
+    pub(crate) file: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) moving: MovingArgs,
+
     /// End of the simulation, in s. After the last sample of TORQUE the torque is zero; with gravity the last
     /// torque stays [default: the end of TORQUE, or of the target if that is later].
     #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
     pub(crate) until: Option<f64>,
-
-    #[command(flatten)]
-    hold: HoldArgs,
 
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
     /// link starts at its first displacement, but with --input hub-angle where its hub points, and with --input carriage
@@ -151,18 +170,6 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) save_state: Option<PathBuf>,
 
-    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad, at a carriage in N/m and N s/m; for an arm
-    /// one pair for all joints, or a pair for each, its carriage last.
-    #[arg(long, value_name = "KP,KD", requires = "reference")]
-    #[arg(value_parser = gains, allow_hyphen_values = true)]
-    feedback: Option<Gains>,
-
-    /// Motion that the feedback follows (CSV), at the times of TORQUE: `hub_angle.csv` of solve, `joint_angles.csv` for
-    /// an arm, `carriage.csv` for a carriage; for an arm on a carriage both in one table, or carriage.csv beside the file.
-    /// The simulation starts at its first row.
-    #[arg(long, value_name = "FILE", requires = "feedback")]
-    reference: Option<PathBuf>,
-
     /// Directions of an arm's links, each from its joint to the next one, in rad or with units: '30 deg,75 deg'. The arm
     /// starts at rest there [default: the first row of the reference; for two links also of the target].
     #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
@@ -178,142 +185,95 @@ pub(crate) struct PlayArgs {
 /// Pairs of gains.
 pub(crate) type Gains = Vec<(f64, f64)>;
 
+/// Histories that move the joints, their feedback, and their files.
+pub(crate) struct Driven {
+    pub(crate) files: DrivenFiles,
+    /// Under voltages these, as torques.
+    pub(crate) moving: Moving,
+    /// The feedback of each joint; empty without.
+    pub(crate) feedback: Vec<Feedback>,
+}
+
+/// The files of what moves the joints.
+pub(crate) struct DrivenFiles {
+    pub(crate) input: InputFile,
+    /// Files of an arm's carriage beside that of its joints and beside their reference.
+    pub(crate) of_carriage: [Option<InputFile>; 2],
+    pub(crate) reference: Option<InputFile>,
+}
+
+impl DrivenFiles {
+    /// The files for the record of a run without target, recording and state.
+    pub(crate) fn recorded(&self) -> SimulateFiles<'_> {
+        SimulateFiles {
+            input: &self.input,
+            carriage: self.of_carriage[0].as_ref(),
+            target: None,
+            measured: None,
+            reference: self.reference.as_ref(),
+            carriage_reference: self.of_carriage[1].as_ref(),
+            state: None,
+        }
+    }
+}
+
 /// The files of a simulation beside that of link or arm, read.
 pub(crate) struct Playing {
-    pub(crate) file: InputFile,
-    /// Files of an arm's carriage beside that of its joints and beside their reference.
-    pub(crate) carriage_files: [Option<InputFile>; 2],
+    pub(crate) files: DrivenFiles,
     pub(crate) target_file: Option<InputFile>,
     pub(crate) measured: Option<(InputFile, ChannelRecording)>,
-    pub(crate) reference_file: Option<InputFile>,
     pub(crate) state_file: Option<InputFile>,
     pub(crate) moves: Moves,
 }
 
-impl PlayArgs {
-    /// All files, for the check that no output replaces one.
-    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        let others = [&self.target, &self.measured, &self.reference, &self.state];
-        let others = others.into_iter().flatten();
-        [&self.file].into_iter().chain(others).map(PathBuf::as_path)
-    }
-
-    /// Reads all files; every error names its file.
+impl MovingArgs {
+    /// Reads the histories of the joints from a file whose table has this form, and the references. Every error names its
+    /// file.
     pub(crate) fn load(
         &self,
+        path: &Path,
         arm: &Arm,
-        is_large: bool,
-        read: &ReadArgs,
-    ) -> Result<Playing, Failure> {
-        self.check(arm)?;
-        let (links, joints) = (arm.links().len(), Joints::from(arm));
-        let link = arm.links().first().filter(|_| links == 1).map(|own| &own.link);
-        let file = InputFile::read(&self.file)?;
-        let open = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
-        let [target_file, measured, reference_file] =
-            [open(&self.target)?, open(&self.measured)?, open(&self.reference)?];
-        let InputFile { shown, bytes, .. } = &file;
+        format: &TableFormat,
+    ) -> Result<Driven, Failure> {
+        let joints = Joints::from(arm);
+        let input = InputFile::read(path)?;
+        let reference = self.reference.as_deref().map(InputFile::read).transpose()?;
+        let InputFile { shown, bytes, .. } = &input;
         let (moving, of_carriage, reading) = if self.is_moved() {
-            let (mut hubs, reading) = read_joint_references(shown, bytes, joints, &read.format())?;
-            let own = with_carriage_moved(&mut hubs, (arm, &self.file), &read.format())?;
+            let (mut hubs, reading) = read_joint_references(shown, bytes, joints, format)?;
+            let own = with_carriage_moved(&mut hubs, (arm, path), format)?;
             (Moving::Angles(hubs), own, reading)
         } else if self.is_under_voltage() {
-            let (torques, reading) = self.read_voltages(&file, arm, &read.format())?;
-            (Moving::Torques(torques), None, reading)
+            let (volts, reading) = self.read_voltages(&input, arm, format)?;
+            (Moving::Torques(volts), None, reading)
         } else {
-            let format = read.format();
-            let how = (self.column.as_deref(), &format);
-            let (mut torques, reading) = read_torques(&file, joints, how)?;
-            let own = with_force(&mut torques, (arm, &self.file), (&self.hold, &format))?;
+            let (mut torques, reading) =
+                read_torques(&input, joints, (self.column.as_deref(), format))?;
+            let own = with_force(&mut torques, (arm, path), (&self.hold, format))?;
             (Moving::Torques(torques), own, reading)
         };
-        self.hold.refuse_jitter(&file, &reading)?;
+        self.hold.refuse_jitter(&input, &reading)?;
         tell(shown, &reading);
-        // The options of reading are those of TORQUE.
-        let mut start_angle_rad = None;
-        let target = target_file.as_ref().map(|file| -> Result<TipPlaces, Failure> {
-            let (target, reading) = match link {
-                Some(link) => {
-                    let target = read_target(&file.shown, &file.bytes, link);
-                    let (target, reading) =
-                        target.map_err(|error| worded(error.into(), file, arm))?;
-                    start_angle_rad = target.start_angle_rad();
-                    (TipPlaces::from(&target), reading)
-                }
-                None => read_tip_places(&file.shown, &file.bytes)?,
-            };
-            tell(&file.shown, &reading);
-            Ok(target)
-        });
-        let target = target.transpose()?;
-        let measured = measured.map(|file| -> Result<_, Failure> {
-            let (recording, reading) = if file.bytes == *bytes {
-                // The options assign the columns of this table.
-                read_recording_as(&file.shown, &file.bytes, joints, &read.format())?
-            } else {
-                read_recording(&file.shown, &file.bytes, joints)?
-            };
-            tell(&file.shown, &reading);
-            Ok((file, recording))
-        });
-        let measured = measured.transpose()?;
-        let references = reference_file.as_ref().map(|file| -> Result<_, Failure> {
+        let (mut references, mut of_reference) = (Vec::new(), None);
+        if let Some((path, file)) = self.reference.as_deref().zip(reference.as_ref()) {
             let form = TableFormat::default();
-            let (references, reading) =
-                read_joint_references(&file.shown, &file.bytes, joints, &form)?;
+            let (own, reading) = read_joint_references(&file.shown, &file.bytes, joints, &form)?;
             tell(&file.shown, &reading);
-            Ok(references)
-        });
-        let mut references = references.transpose()?.unwrap_or_default();
-        let reference = self.reference.as_deref();
-        let form = TableFormat::default();
-        let of_reference =
-            reference.map(|path| with_carriage_moved(&mut references, (arm, path), &form));
-        let carriage_files = [of_carriage, of_reference.transpose()?.flatten()];
-        let state_file = open(&self.state)?;
-        let state = state_file.as_ref();
-        let state = state.map(|file| read_state(&file.shown, &file.bytes, links)).transpose()?;
+            references = own;
+            of_reference = with_carriage_moved(&mut references, (arm, path), &form)?;
+        }
         let feedback = feedback(self.feedback.as_deref(), references, arm)?;
-        let begins = Begins {
-            state: state.is_some(),
-            moved: self.is_moved(),
-            at: self.at.as_deref(),
-            tip_m: None,
-        };
-        let start = AtRest::of(arm, &begins, (&feedback, target.as_ref()))?;
-        let moves = Moves {
-            moving,
-            interpolation: self.hold.interpolation(),
-            until_s: self.until,
-            feedback,
-            start,
-            carriage_m: self.carriage_at.unwrap_or_default(),
-            state,
-            target,
-            start_angle_rad,
-            is_large,
-            is_periodic: self.periodic,
-            is_under_voltage: self.is_under_voltage(),
-        };
-        Ok(Playing {
-            file,
-            carriage_files,
-            target_file,
-            measured,
-            reference_file,
-            state_file,
-            moves,
-        })
+        let files = DrivenFiles { input, of_carriage: [of_carriage, of_reference], reference };
+        Ok(Driven { files, moving, feedback })
     }
 
-    /// The failure of gains outside the range of a feedback.
-    fn gains_refused(error: &ParameterError, arm: &Arm) -> Failure {
-        let message = arm.joint().worded(&format!("--feedback: {error}"));
-        Failure::new(Exit::Usage, &message, None)
+    /// Course of a torque between its samples.
+    pub(crate) fn interpolation(&self) -> Interpolation {
+        self.hold.interpolation()
     }
 
     /// True where the motion of the joints is the input.
-    fn is_moved(&self) -> bool {
+    pub(crate) fn is_moved(&self) -> bool {
         self.input.is_some_and(InputKind::is_motion)
     }
 
@@ -322,7 +282,42 @@ impl PlayArgs {
         self.input == Some(InputKind::Voltage)
     }
 
-    /// Reads the voltage of each motor as its torque at the held joint.
+    /// True for torques and forces alone, the same on every link that they move.
+    pub(crate) fn is_open(&self) -> bool {
+        !self.is_moved() && !self.is_under_voltage() && self.feedback.is_none()
+    }
+
+    /// The arm of this file with the rotors of its motors, and the torques of their voltages at its held joints. `None`
+    /// without voltages.
+    pub(crate) fn under_voltages(
+        &self,
+        file: &InputFile,
+        arm: &Arm,
+        moving: &Moving,
+    ) -> Result<Option<(Arm, Moving)>, Failure> {
+        let Moving::Torques(volts) = moving else { return Ok(None) };
+        if !self.is_under_voltage() {
+            return Ok(None);
+        }
+        let moved = arm.under_voltages().map_err(|error| {
+            let message = format!("{}: {}", file.shown, arm.worded(&error.to_string()));
+            let hint = "[drive] has torque_constant in N m/A and resistance in ohm";
+            Failure::new(Exit::InputRefused, &message, Some(hint))
+        })?;
+        let torques = arm.links().iter().zip(volts).map(|(own, volts)| {
+            let per_volt = own.link.drive().and_then(Drive::effort_per_volt);
+            volts.scaled(per_volt.unwrap_or_default())
+        });
+        Ok(Some((moved, Moving::Torques(torques.collect()))))
+    }
+
+    /// The failure of gains outside the range of a feedback.
+    fn gains_refused(error: &ParameterError, arm: &Arm) -> Failure {
+        let message = arm.joint().worded(&format!("--feedback: {error}"));
+        Failure::new(Exit::Usage, &message, None)
+    }
+
+    /// Reads the voltage of each motor, as torques.
     fn read_voltages(
         &self,
         file: &InputFile,
@@ -344,8 +339,8 @@ impl PlayArgs {
             ));
         }
         let mut all = Vec::new();
-        for (number, own) in arm.links().iter().enumerate() {
-            let number = arm.pick(String::new(), (number + 1).to_string());
+        for number in 1..=arm.links().len() {
+            let number = arm.pick(String::new(), number.to_string());
             let of_motor = format!("motor{number}_voltage_v");
             let of_motor = Some(of_motor).filter(|name| text.contains(name.as_str()));
             let of_joint = arm.pick(None, Some(format!("voltage{number}")));
@@ -363,23 +358,20 @@ impl PlayArgs {
                             names another one";
                 Failure { hint: Some(hint.to_owned()), ..Failure::from(error) }
             })?;
-            let per_volt = own.link.drive().and_then(Drive::effort_per_volt).unwrap_or_default();
             let times_s: Vec<f64> = (0..table.grid.len).map(|k| table.grid.time_s(k)).collect();
-            let torque = table.input.iter().map(|volts| per_volt * volts).collect();
-            let torque = Torque::new(&times_s, torque).map_err(|error| {
+            let volts = Torque::new(&times_s, table.input).map_err(|error| {
                 let message =
                     format!("{shown}: {}", error.to_string().replace("torque", "voltage"));
                 Failure::new(Exit::InputRefused, &message, error.hint())
             })?;
-            all.push((torque, table.reading));
+            all.push((volts, table.reading));
         }
-        let (torques, mut readings): (Vec<_>, Vec<_>) = all.into_iter().unzip();
-        Ok((torques, readings.swap_remove(0)))
+        let (volts, mut readings): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+        Ok((volts, readings.swap_remove(0)))
     }
 
-    /// Refuses an input of the other kind of joint, options of arms for one link, and those of a torque beside a hub
-    /// angle.
-    fn check(&self, arm: &Arm) -> Result<(), Failure> {
+    /// Refuses an input of the other kind of joint, and options of a torque, these and `others`, beside a hub angle.
+    pub(crate) fn check(&self, arm: &Arm, others: &[(&'static str, bool)]) -> Result<(), Failure> {
         let slides = arm.joint().slides();
         if let Some(input) = self.input {
             let of_carriage = [InputKind::Force, InputKind::Carriage];
@@ -395,12 +387,139 @@ impl PlayArgs {
                 return Err(Failure::new(Exit::Usage, &message, hint));
             }
         }
-        self.check_input(arm)?;
+        self.check_input(arm, others)?;
         if self.is_under_voltage() && self.feedback.is_some() {
             let message = "--input = voltage, but must be torque or force with --feedback";
             let hint = "the feedback is a torque, which the voltage does not contain";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         }
+        Ok(())
+    }
+
+    /// Refuses options of a torque beside a hub angle.
+    fn check_input(&self, arm: &Arm, others: &[(&'static str, bool)]) -> Result<(), Failure> {
+        let Some(input) = self.input.filter(|own| own.is_motion()) else { return Ok(()) };
+        let given = [
+            ("--column", self.column.is_some()),
+            ("--hold", self.hold.hold != Hold::Cubic),
+            ("--linear", self.hold.linear),
+            ("--feedback", self.feedback.is_some()),
+        ];
+        let mut given = given.iter().chain(others);
+        let Some((name, _)) = given.find(|(_, is_given)| *is_given) else { return Ok(()) };
+        let joint = arm.joint();
+        let must = joint.worded(&format!("must be torque with {name}"));
+        let message = format!("--input = {}, but {must}", input.name());
+        let hint = match *name {
+            "--column" if joint.slides() => {
+                "the column is carriage; simulate chooses another one by --columns carriage=COLUMN"
+            }
+            "--column" => {
+                "the column is hub_angle; simulate chooses another one by --columns hub_angle=COLUMN"
+            }
+            "--feedback" => "a hub that moves as prescribed needs no feedback",
+            "--at" | "--carriage-at" => "the first row is where it starts",
+            _ => "the hub angle is a smooth curve through its samples",
+        };
+        Err(Failure::new(Exit::Usage, &message, Some(&joint.worded(hint))))
+    }
+
+    /// Arguments for the record, without files.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let is_told = |own: &InputKind| own.is_motion() || *own == InputKind::Voltage;
+        let input = self.input.filter(is_told);
+        let input = input.map(|own| option("--input", own.name()));
+        let column = self.column.iter().map(|column| option("--column", column));
+        let feedback = self.feedback.as_ref().map(|pairs| {
+            let pairs: Vec<String> = pairs.iter().map(|(kp, kd)| format!("{kp},{kd}")).collect();
+            option("--feedback", pairs.join(","))
+        });
+        let input = input.into_iter().chain(column).chain([self.hold.arguments()]);
+        input.chain(feedback).flatten().collect()
+    }
+}
+
+impl PlayArgs {
+    /// All files, for the check that no output replaces one.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let others = [&self.target, &self.measured, &self.moving.reference, &self.state];
+        let others = others.into_iter().flatten();
+        [&self.file].into_iter().chain(others).map(PathBuf::as_path)
+    }
+
+    /// Reads all files; every error names its file.
+    pub(crate) fn load(
+        &self,
+        arm: &Arm,
+        is_large: bool,
+        read: &ReadArgs,
+    ) -> Result<Playing, Failure> {
+        self.check(arm)?;
+        let (links, joints) = (arm.links().len(), Joints::from(arm));
+        let link = arm.alone();
+        let Driven { files, moving, feedback } =
+            self.moving.load(&self.file, arm, &read.format())?;
+        let open = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
+        let [target_file, measured, state_file] =
+            [open(&self.target)?, open(&self.measured)?, open(&self.state)?];
+        // The options of reading are those of TORQUE.
+        let mut start_angle_rad = None;
+        let target = target_file.as_ref().map(|file| -> Result<TipPlaces, Failure> {
+            let (target, reading) = match link {
+                Some(link) => {
+                    let target = read_target(&file.shown, &file.bytes, link);
+                    let (target, reading) =
+                        target.map_err(|error| worded(error.into(), file, arm))?;
+                    start_angle_rad = target.start_angle_rad();
+                    (TipPlaces::from(&target), reading)
+                }
+                None => read_tip_places(&file.shown, &file.bytes)?,
+            };
+            tell(&file.shown, &reading);
+            Ok(target)
+        });
+        let target = target.transpose()?;
+        let measured = measured.map(|file| -> Result<_, Failure> {
+            let (recording, reading) = if file.bytes == files.input.bytes {
+                // The options assign the columns of this table.
+                read_recording_as(&file.shown, &file.bytes, joints, &read.format())?
+            } else {
+                read_recording(&file.shown, &file.bytes, joints)?
+            };
+            tell(&file.shown, &reading);
+            Ok((file, recording))
+        });
+        let measured = measured.transpose()?;
+        let state = state_file.as_ref();
+        let state = state.map(|file| read_state(&file.shown, &file.bytes, links)).transpose()?;
+        let begins = Begins {
+            state: state.is_some(),
+            moved: self.moving.is_moved(),
+            at: self.at.as_deref(),
+            tip_m: None,
+        };
+        let start = AtRest::of(arm, &begins, (&feedback, target.as_ref()))?;
+        let moves = Moves {
+            moving,
+            interpolation: self.moving.interpolation(),
+            until_s: self.until,
+            feedback,
+            start,
+            carriage_m: self.carriage_at.unwrap_or_default(),
+            state,
+            target,
+            start_angle_rad,
+            is_large,
+            is_periodic: self.periodic,
+            is_under_voltage: self.moving.is_under_voltage(),
+        };
+        Ok(Playing { files, target_file, measured, state_file, moves })
+    }
+
+    /// Refuses inputs and options that do not suit the arm.
+    fn check(&self, arm: &Arm) -> Result<(), Failure> {
+        let starts = [("--at", self.at.is_some()), ("--carriage-at", self.carriage_at.is_some())];
+        self.moving.check(arm, &starts)?;
         if self.at.is_some() && arm.alone().is_some() {
             let message =
                 "--at sets the directions of an arm, but one link starts at its start_angle";
@@ -413,61 +532,22 @@ impl PlayArgs {
         Ok(())
     }
 
-    /// Refuses options of a torque beside a hub angle.
-    fn check_input(&self, arm: &Arm) -> Result<(), Failure> {
-        let Some(input) = self.input.filter(|own| own.is_motion()) else { return Ok(()) };
-        let given = [
-            ("--column", self.column.is_some()),
-            ("--hold", self.hold.hold != Hold::Cubic),
-            ("--linear", self.hold.linear),
-            ("--feedback", self.feedback.is_some()),
-            ("--at", self.at.is_some()),
-            ("--carriage-at", self.carriage_at.is_some()),
-        ];
-        let Some((name, _)) = given.into_iter().find(|(_, is_given)| *is_given) else {
-            return Ok(());
-        };
-        let joint = arm.joint();
-        let must = joint.worded(&format!("must be torque with {name}"));
-        let message = format!("--input = {}, but {must}", input.name());
-        let hint = match name {
-            "--column" if joint.slides() => {
-                "--columns carriage=COLUMN chooses the column of the carriage"
-            }
-            "--column" => "--columns hub_angle=COLUMN chooses the column of the hub angle",
-            "--feedback" => "a hub that moves as prescribed needs no feedback",
-            "--at" | "--carriage-at" => "the first row is where it starts",
-            _ => "the hub angle is a smooth curve through its samples",
-        };
-        Err(Failure::new(Exit::Usage, &message, Some(&joint.worded(hint))))
-    }
-
     /// Arguments for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
-        let is_told = |own: &InputKind| own.is_motion() || *own == InputKind::Voltage;
-        let input = self.input.filter(is_told);
-        let input = input.map(|own| option("--input", own.name()));
-        let column = self.column.iter().map(|column| option("--column", column));
         let until = self.until.map(|until| option("--until", until));
-        let hold = Some(self.hold.arguments());
-        let feedback = self.feedback.as_ref().map(|pairs| {
-            let pairs: Vec<String> = pairs.iter().map(|(kp, kd)| format!("{kp},{kd}")).collect();
-            option("--feedback", pairs.join(","))
-        });
         let at = self
             .at
             .as_ref()
             .map(|at| option("--at", at.iter().map(f64::to_string).collect::<Vec<_>>().join(",")));
         let carriage_at = self.carriage_at.map(|at_m| option("--carriage-at", at_m));
-        let at = at.into_iter().chain(carriage_at);
         let periodic = self.periodic.then(|| vec!["--periodic".to_owned()]);
-        let input = input.into_iter().chain(column).chain(until).chain(periodic);
-        input.chain(hold).chain(feedback).chain(at).flatten().collect()
+        let others = until.into_iter().chain(periodic).chain(at).chain(carriage_at);
+        self.moving.arguments().into_iter().chain(others.flatten()).collect()
     }
 }
 
 /// Adds the force of an arm's carriage from force.csv beside the file of the torques, unless this file has it.
-pub(crate) fn with_force(
+fn with_force(
     torques: &mut Vec<Torque>,
     of: (&Arm, &Path),
     (hold, format): (&HoldArgs, &TableFormat),
@@ -554,7 +634,7 @@ pub(crate) fn gains(text: &str) -> Result<Gains, String> {
 
 /// Reads the torque of a link or the force on its carriage, in a column of the user if he names one, or the torques of an
 /// arm.
-pub(crate) fn read_torques(
+fn read_torques(
     file: &InputFile,
     joints: Joints,
     (column, format): (Option<&str>, &TableFormat),
@@ -603,5 +683,5 @@ pub fn feedback(
     };
     let of_joints = gains.into_iter().zip(references);
     let of_joints = of_joints.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
-    of_joints.collect::<Result<_, _>>().map_err(|error| PlayArgs::gains_refused(&error, arm))
+    of_joints.collect::<Result<_, _>>().map_err(|error| MovingArgs::gains_refused(&error, arm))
 }

@@ -390,7 +390,7 @@ impl Robust {
 
     /// Both commands of this study, less the common error of the exact inverse.
     fn plays(&self, problem: &Problem, solution: &Solution) -> Result<Plays, Failure> {
-        let Specification { arm, meshes, .. } = &problem.specification;
+        let Specification { arm, meshes, limits, .. } = &problem.specification;
         self.gains(arm)?;
         let not_played = |error| not_played(&error, arm);
         let (histories, end_s) = self.histories(problem, solution, self.hold())?;
@@ -399,7 +399,8 @@ impl Robust {
         let quick = command(Thinned::Yes)?.refined(arm, meshes).map_err(not_played)?;
         let whole = command(Thinned::No)?;
         let band_m = self.band.metres(quick.travel_m);
-        let nominal = quick.plant((arm, meshes), (0.0, band_m, quick.end_s), &[]);
+        // With the limits of all plants, so that its own error is exactly 0.
+        let nominal = quick.plant((arm, meshes), (0.0, band_m, quick.end_s), limits);
         let PlantTip { strays, error_m, .. } = nominal.map_err(not_played)?;
         let least_s = quick.time_s(error_m[0].len() - 1);
         if self.played != Played::Inverse {

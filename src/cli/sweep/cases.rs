@@ -10,16 +10,17 @@ use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::options::inputs::{
     ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, Wanted, are_read_alike, scale_arguments, tell,
 };
-use crate::cli::options::play::{HoldArgs, read_torques, with_force};
+use crate::cli::options::moves::Moving;
+use crate::cli::options::play::{Driven, DrivenFiles, MovingArgs};
+use crate::cli::simulate::refusal;
 use crate::cli::terminal::{Exit, Failure, memory};
-use crate::csv::{Digits, InputFile, Joints, Reading, TableFormat};
+use crate::csv::{Digits, InputFile, Reading, TableFormat};
 use crate::link::{Arm, Link};
 use crate::modal::natural_frequencies;
 use crate::motion::{MotionScale, Periods};
-use crate::response::Torque;
 use crate::result::Remark;
 use crate::spec::{LinkDocument, Override, SpecError, Specification};
-use crate::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
+use crate::store::{Fingerprint, RunOutputs, SimulateFiles, SweepIdentity, SweepInputs};
 use crate::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use crate::text::{excerpt, visible};
 
@@ -45,20 +46,16 @@ pub(crate) struct CaseArgs {
     read: ReadArgs,
 }
 
-/// A torque to play on every case.
+/// What to play on every case.
 #[derive(Debug, Args)]
 pub(crate) struct TorqueArgs {
-    /// Play this torque (CSV: `time`, `torque`; of an arm `torque1`, `torque2`, …) on every case instead, and
-    /// compare the tip with MOTION.
-    #[arg(long, value_name = "FILE")]
+    /// Play this torque (CSV: `time`, `torque`; of an arm `torque1`, `torque2`, …) on every case instead, or with --input
+    /// a motion of the joints or a voltage, as simulate does, and compare the tip with MOTION.
+    #[arg(long, value_name = "TORQUE")]
     pub(crate) torque: Option<PathBuf>,
 
-    /// Column of --torque to play [default: `torque`].
-    #[arg(long, value_name = "NAME", requires = "torque")]
-    column: Option<String>,
-
     #[command(flatten)]
-    pub(crate) hold: HoldArgs,
+    pub(crate) moving: MovingArgs,
 }
 
 /// Which files every case is to write.
@@ -80,14 +77,6 @@ pub(crate) struct OutputsArgs {
     pub(crate) sync: SyncArgs,
 }
 
-/// Torques that are played on every case, and their files.
-pub(crate) struct Efforts {
-    pub(crate) file: InputFile,
-    /// That of the force on an arm's carriage, if it has one of its own.
-    pub(crate) of_carriage: Option<InputFile>,
-    pub(crate) torques: Vec<Torque>,
-}
-
 /// Common inputs and settings of all cases of a sweep.
 pub(crate) struct Cases<'a> {
     pub(crate) plan: SweepPlan,
@@ -96,7 +85,8 @@ pub(crate) struct Cases<'a> {
     document: LinkDocument,
     pub(crate) link_file: InputFile,
     pub(crate) motion_file: InputFile,
-    pub(crate) efforts: Option<Efforts>,
+    /// What is played on every case.
+    pub(crate) driven: Option<Driven>,
     /// Kind of the numbers in the table.
     pub(crate) kind: SweepKind,
     /// The first readable case.
@@ -131,7 +121,7 @@ impl<'a> Cases<'a> {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
         shared.scale.scaled(&first.wanted)?;
-        let efforts = shared.torque.read(&first.arm)?;
+        let driven = shared.torque.read(&first.arm)?;
         tell(&motion_file.shown, &reading);
         refuse_without_effect(|case| described(case).ok(), &plan)?;
         // From here on errors are for the table, whose text must not depend on the place of the files.
@@ -139,8 +129,11 @@ impl<'a> Cases<'a> {
         motion_file.shown.clone_from(&motion_file.name);
         let first = first.named(&motion_file.name);
         let slides = first.arm.joints().any(|joint| joint.slides());
-        let kind = match &efforts {
-            Some(_) => SweepKind::Played { joints: first.arm.links().len(), slides },
+        let kind = match &driven {
+            Some(_) => {
+                let is_open = shared.torque.moving.is_open();
+                SweepKind::Played { joints: first.arm.links().len(), slides, is_open }
+            }
             None => SweepKind::of_arm(&first.arm),
         };
         Ok(Self {
@@ -151,7 +144,7 @@ impl<'a> Cases<'a> {
             document,
             link_file,
             motion_file,
-            efforts,
+            driven,
             first,
             memory_bytes: memory::available().map(|bytes| bytes / rayon::current_num_threads()),
             alone: RwLock::new(()),
@@ -164,16 +157,21 @@ impl<'a> Cases<'a> {
             self.shared.changes.arguments(),
             self.shared.resample.arguments(),
             self.shared.scale.arguments(),
-            self.shared.torque.arguments(),
+            self.shared.torque.moving.arguments(),
             self.shared.outputs.identity(),
             self.shared.read.arguments(),
         ];
-        let efforts = self.efforts.as_ref();
+        let files = self.driven.as_ref().map(|own| own.files.recorded());
+        let played = |of: fn(SimulateFiles<'_>) -> Option<&InputFile>| {
+            files.and_then(of).map(Fingerprint::of)
+        };
         let inputs = SweepInputs {
             link: Fingerprint::of(&self.link_file),
             motion: Fingerprint::of(&self.motion_file),
-            torque: efforts.map(|own| Fingerprint::of(&own.file)),
-            force: efforts.and_then(|own| own.of_carriage.as_ref()).map(Fingerprint::of),
+            torque: played(|own| Some(own.input)),
+            force: played(|own| own.carriage),
+            reference: played(|own| own.reference),
+            carriage_reference: played(|own| own.carriage_reference),
             vary: vary.to_vec(),
             arguments: arguments.concat(),
         };
@@ -259,7 +257,7 @@ impl<'a> Cases<'a> {
             varied.collect(),
             self.shared.resample.arguments(),
             scale_arguments(self.shared.scale.scale() * values.motion),
-            self.shared.torque.arguments(),
+            self.shared.torque.moving.arguments(),
             self.shared.outputs.arguments(),
             self.shared.read.arguments(),
         ]
@@ -268,22 +266,21 @@ impl<'a> Cases<'a> {
 }
 
 impl TorqueArgs {
-    /// The arguments without files, for the record.
-    fn arguments(&self) -> Vec<String> {
-        let column = self.column.iter().flat_map(|column| option("--column", column));
-        column.chain(self.hold.arguments()).collect()
-    }
-
-    fn read(&self, arm: &Arm) -> Result<Option<Efforts>, Failure> {
+    fn read(&self, arm: &Arm) -> Result<Option<Driven>, Failure> {
         let Some(path) = &self.torque else { return Ok(None) };
-        let file = InputFile::read(path)?;
-        let format = TableFormat::default();
-        let how = (self.column.as_deref(), &format);
-        let (mut torques, reading) = read_torques(&file, Joints::from(arm), how)?;
-        let of_carriage = with_force(&mut torques, (arm, path), (&self.hold, &format))?;
-        tell(&file.shown, &reading);
-        self.hold.refuse_jitter(&file, &reading)?;
-        Ok(Some(Efforts { file, of_carriage, torques }))
+        self.moving.check(arm, &[])?;
+        let driven = self.moving.load(path, arm, &TableFormat::default())?;
+        let Driven { files: DrivenFiles { reference, .. }, moving, feedback } = &driven;
+        if let (Moving::Torques(torques), Some(file)) = (moving, reference) {
+            for (own, torque) in feedback.iter().zip(torques) {
+                own.check_times(torque).map_err(|error| {
+                    let (message, hint) = refusal(&error, arm);
+                    let message = format!("{}: {message}", file.shown);
+                    Failure::new(Exit::InputRefused, &message, hint.as_deref())
+                })?;
+            }
+        }
+        Ok(Some(driven))
     }
 }
 

@@ -32,6 +32,11 @@ Example:
       --vary payload.mass=0,0.05 --vary 'duration*=0.8:2:25'
   flexlink sweep link.toml move.csv --torque torque.csv \\
       --vary 'segments.*.EI*=0.8:1.2:41'
+  flexlink sweep link.toml move.csv --torque torque.csv \\
+      --feedback 20,2 --reference hub_angle.csv \\
+      --vary 'segments.*.EI*=0.8:1.2:41'
+  flexlink sweep link.toml move.csv --torque encoder.csv \\
+      --input hub-angle --vary payload.mass=0:0.1:11
   flexlink sweep link.toml move.csv --shard 2/8 \\
       --vary 'segments.*.EI*=0.5:8:1000:log'
   flexlink sweep arm.toml path.csv \\
@@ -60,6 +65,9 @@ PATH is that of --set, with = for values and *= for factors; distance*= and dura
 motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
 have a unit. Several --vary make the product, the last one running fastest.
 
+With --torque every case plays one table as simulate does: torques, with feedback or without, a motion of the joints \
+or voltages. A row says how far the tip strays from MOTION.
+
 An arm of several links and its path (docs/arms.md) take the same: a row has the numbers of every joint.";
 
 /// Most cases of one run; at a millisecond each they take more than a week.
@@ -70,8 +78,11 @@ const MOST_CASES: usize = 1_000_000_000;
 #[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
 #[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
 #[command(mut_arg("stations_m", |stations| stations.requires("outputs")))]
+#[command(mut_arg("input", |input| input.requires("torque")))]
+#[command(mut_arg("column", |column| column.requires("torque")))]
 #[command(mut_arg("hold", |hold| hold.requires("torque")))]
 #[command(mut_arg("linear", |linear| linear.requires("torque")))]
+#[command(mut_arg("feedback", |feedback| feedback.requires("torque")))]
 #[command(mut_arg("every", |every| every.requires("outputs")))]
 #[command(mut_arg("sync", |sync| sync.conflicts_with("merge")))]
 pub(crate) struct Sweep {
@@ -103,6 +114,7 @@ pub(crate) struct Sweep {
     /// Join the shards of a sweep to one table, if none is missing.
     #[arg(long, value_name = "SHARD", num_args = 1..)]
     #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
+    #[arg(conflicts_with_all = ["input", "feedback", "reference"])]
     #[arg(conflicts_with_all = ["column", "hold", "linear", "outputs", "shard", "resume", "columns", "time_unit"])]
     #[arg(conflicts_with_all = ["unit", "scale", "skip", "delimiter", "decimal", "scale_distance", "scale_duration"])]
     merge: Vec<PathBuf>,
@@ -253,7 +265,9 @@ impl Sweep {
     /// Refuses files that the sweep would read twice or overwrite.
     fn check_files(&self) -> Result<(), Failure> {
         let files = self.link.iter().chain(&self.motion).map(PathBuf::as_path);
-        let inputs: Vec<&Path> = files.chain(self.shared.torque.torque.as_deref()).collect();
+        let played = &self.shared.torque;
+        let played = [&played.torque, &played.moving.reference].into_iter().flatten();
+        let inputs: Vec<&Path> = files.chain(played.map(PathBuf::as_path)).collect();
         read_once(&inputs)?;
         keep_files(&self.output_path(), &inputs)?;
         keep_record(&self.output_path())?;

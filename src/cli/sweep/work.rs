@@ -6,16 +6,18 @@ use crate::elastica::SecondOrder;
 use crate::inverse::Resources;
 use crate::modal::reports_weight;
 use crate::motion::{Ends, Motion, Prescribed};
-use crate::response::{Input, Play, PlayedLink, Start, simulate};
+use crate::response::{Play, PlayedLink, SimulationError, Start, simulate};
 use crate::result::{FollowedTarget, Notice, Remark, TipPlaces};
 use crate::spec::Specification;
 use crate::store::{OutputFolder, PlayedRun, RunInputs, SimulateFiles, Simulated};
 use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase};
 
-use super::cases::{Cases, Efforts};
+use super::cases::Cases;
 use super::tally::of_limit;
 use crate::cli::options::inputs::Wanted;
+use crate::cli::options::play::Driven;
 use crate::cli::problem::{Problem, Solved};
+use crate::cli::simulate::refusal;
 use crate::cli::terminal::{Exit, Failure, memory};
 
 /// Result of a case.
@@ -49,8 +51,8 @@ impl Outcome {
 impl Cases<'_> {
     /// Works on a case, numbered from 0, within its share of the memory.
     pub(crate) fn outcome(&self, case: usize) -> Outcome {
-        let found = self.within_memory(|bytes| match &self.efforts {
-            Some(efforts) => self.play(case, efforts, bytes),
+        let found = self.within_memory(|bytes| match &self.driven {
+            Some(driven) => self.play(case, driven, bytes),
             None => self.solve(case, bytes),
         });
         // A case that fails has no columns.
@@ -91,25 +93,31 @@ impl Cases<'_> {
         Ok((numbers, notices, remarks))
     }
 
-    /// Plays the torques on a case, numbered from 0.
+    /// Plays the torques, or the motion of the joints, on a case, numbered from 0.
     fn play(
         &self,
         case: usize,
-        Efforts { file, of_carriage, torques }: &Efforts,
+        Driven { files, moving, feedback }: &Driven,
         memory_bytes: Option<usize>,
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
         let own = &self.specification(&values)?;
         let Specification { arm, meshes, remarks, analysis, limits, .. } = own;
         let Wanted { motion, .. } = self.motion_of(arm, values.motion)?;
-        let grid = torques[0].grid();
+        let options = &self.shared.torque.moving;
+        let motors = options.under_voltages(&self.link_file, arm, moving)?;
+        let (moved, moving) = motors.as_ref().map_or((arm, moving), |(arm, moving)| (arm, moving));
+        let input = moving.input();
+        let grid = input.grid();
         let [from_s, until_s] = [grid.time_s(0), grid.end_s()];
         let mut play = Play {
             memory_bytes,
-            interpolation: self.shared.torque.hold.interpolation(),
+            interpolation: options.interpolation(),
+            feedback,
             is_large: analysis.second_order_of(own.link()) != SecondOrder::None,
             cycle_turn_rad: (motion.ends() == Ends::Periodic).then_some(0.0),
-            ..Play::with(Input::Torques(torques))
+            is_under_voltage: options.is_under_voltage(),
+            ..Play::with(input)
         };
         let mut first: Vec<f64>;
         let places = match &motion {
@@ -120,40 +128,42 @@ impl Cases<'_> {
                 TipPlaces::from(&target)
             }
             Motion::Path(path) => {
-                first = path.between(from_s, until_s).1.iter().map(|own| own[0]).collect();
-                if path.has_carriage() {
-                    play.carriage_m = first.pop().unwrap_or_default();
-                }
-                play.start = Some(match (path.prescribed(), &first[..]) {
-                    (Prescribed::Tip, [x, y, outer_rad @ ..]) => {
-                        Start::Tip { at_m: [*x, *y], outer_rad }
+                // The first row of a reference, or of the joints' own motion, is where an arm starts.
+                if !feedback.is_empty() {
+                    first = feedback.iter().map(|own| own.reference().angle_rad()[0]).collect();
+                    play.start = Some(Start::Joints(&first));
+                } else if input.is_torque() {
+                    first = path.between(from_s, until_s).1.iter().map(|own| own[0]).collect();
+                    if path.has_carriage() {
+                        play.carriage_m = first.pop().unwrap_or_default();
                     }
-                    (_, chords_rad) => Start::Chords(chords_rad),
-                });
+                    play.start = Some(match (path.prescribed(), &first[..]) {
+                        (Prescribed::Tip, [x, y, outer_rad @ ..]) => {
+                            Start::Tip { at_m: [*x, *y], outer_rad }
+                        }
+                        (_, chords_rad) => Start::Chords(chords_rad),
+                    });
+                }
                 TipPlaces::of_path(path, arm, [from_s, until_s])
             }
         };
         play.until_s = Some(until_s.max(places.grid.end_s()));
-        let played = simulate(arm, meshes, &play, &|_| {})?;
+        let refused = |error: SimulationError| {
+            let (message, hint) = refusal(&error, arm);
+            Failure { message, hint, ..Failure::from(error) }
+        };
+        let played = simulate(moved, meshes, &play, &|_| {}).map_err(refused)?;
         let target = FollowedTarget::of(&played, &places)?;
         let tip_error = target.tip_error;
-        let result = Simulated::of(played, arm, &play, Some(target))?;
+        let result = Simulated::of(played, moved, &play, Some(target)).map_err(refused)?;
         let run = PlayedRun { arm, play: &play, limits, result: &result };
         let Simulated { played, metrics, .. } = &result;
         let numbers =
             self.kind.played(&PlayedCase { simulation: played, metrics, tip_error: &tip_error });
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
-            let files = SimulateFiles {
-                input: file,
-                carriage: of_carriage.as_ref(),
-                target: Some(&self.motion_file),
-                measured: None,
-                reference: None,
-                carriage_reference: None,
-                state: None,
-            };
-            let kind = (true, arm.joint().slides());
+            let files = SimulateFiles { target: Some(&self.motion_file), ..files.recorded() };
+            let kind = (input.is_torque(), arm.joint().slides());
             let inputs = RunInputs::of_simulate(&self.link_file, &files, kind, arguments);
             let outputs = self.shared.outputs.of_case(&played.nodes_m())?;
             memory::check_nodes(outputs.simulation_bytes(played), memory_bytes)?;

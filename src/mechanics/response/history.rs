@@ -124,6 +124,13 @@ impl Torque {
     pub fn torque_n_m(&self) -> &[f64] {
         &self.torque_n_m
     }
+
+    /// The torque times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let torque_n_m = self.torque_n_m.iter().map(|own| factor * own).collect();
+        Self { torque_n_m, ..*self }
+    }
 }
 
 /// A motion of the hub on a uniform time grid, as a reference of feedback or as a prescribed motion.
@@ -266,6 +273,18 @@ impl Feedback {
         &self.reference
     }
 
+    /// Refuses a torque at other times than those of the reference.
+    ///
+    /// # Errors
+    /// [`SimulationError::OtherTimes`].
+    pub fn check_times(&self, torque: &Torque) -> Result<(), SimulationError> {
+        let (found, torque) = (self.reference.grid(), torque.grid());
+        if same_times(&found, &torque) {
+            return Ok(());
+        }
+        Err(SimulationError::OtherTimes { found, torque })
+    }
+
     /// The reference's part of the torque at each sample, `k_p (θ_ref − θ_ref(0)) + k_d θ̇_ref`. The link starts at the
     /// reference's first angle, or from a state with angles from `zero_rad`.
     ///
@@ -277,10 +296,7 @@ impl Feedback {
         zero_rad: Option<f64>,
         repeats: bool,
     ) -> Result<Vec<f64>, SimulationError> {
-        let (found, torque) = (self.reference.grid(), torque.grid());
-        if !same_times(&found, &torque) {
-            return Err(SimulationError::OtherTimes { found, torque });
-        }
+        self.check_times(torque)?;
         if let Some(jump_rad) =
             self.reference.jump_rad(0.0).filter(|_| repeats && self.needs_angles())
         {

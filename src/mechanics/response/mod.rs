@@ -52,4 +52,4 @@ pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
 pub use simulation::{MovedJoint, move_arm, simulate};
 pub use state::{LinkState, State};
-pub use tip::{PlayedTip, Ringing, TipCourse, simulate_tip};
+pub use tip::{PlayedTip, Ringing, TipCourse, simulate_once, simulate_tip};

@@ -156,19 +156,19 @@ fn play_bent(
     Ok(of_motion(motion, (grid, play.input.grid().len), played, warnings))
 }
 
-/// The grid and the tip of bent links at one refinement.
-pub(super) fn bent_tip(
+/// The motion of bent links at one refinement, without energies and warnings.
+pub(super) fn play_bent_once(
     arm: &Arm,
     meshes: Vec<Mesh>,
     play: &Play<'_>,
     refinements: usize,
-) -> Result<(TimeGrid, Vec<Vec<f64>>), SimulationError> {
+) -> Result<Played, SimulationError> {
     let (played, grid) = (bent_links(arm, meshes, play)?, play.grid()?);
     let bending = Bending { arm, links: &played, play, drives: drives(arm, play)?, grid: &grid };
     let links = bending.driven_links(refinements * MORE_ORDERS, None)?;
     let links = DrivenLinks { has_energies: false, ..links };
     let motion = links.play(1 << refinements, |_| {})?;
-    Ok((grid, motion.tip.into_iter().map(|axis| axis.displacement_m).collect()))
+    Ok(of_motion(motion, (grid, play.input.grid().len), played, Vec::new()))
 }
 
 /// The links with their damping laws; refuses what bent links cannot play.

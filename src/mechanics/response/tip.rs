@@ -5,13 +5,16 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
+use super::driving::Driving;
 use super::error::SimulationError;
 use super::history::Feedback;
+use super::linear::play_modes;
 use super::modes::Equations;
 use super::play::{Input, Play, Started, continued};
+use super::played::Played;
 use super::pose::ArmPose;
 use super::pose_modes::PoseMode;
-use super::simulation::bent_tip;
+use super::simulation::play_bent_once;
 use super::stepper::Stepper;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Arm, Gravity, Link};
@@ -70,6 +73,14 @@ impl Ringing {
     }
 }
 
+impl PlayedTip {
+    /// The tip of a whole play.
+    pub fn of(played: Played, rings: Option<Ringing>) -> Self {
+        let at_m = played.tip.into_iter().map(|axis| axis.displacement_m).collect();
+        Self { grid: played.grid, at_m, rings }
+    }
+}
+
 /// Plays an input like [`simulate`](super::simulate), and computes the tip alone. Bent links play at one refinement.
 ///
 /// # Errors
@@ -80,21 +91,72 @@ pub fn simulate_tip(
     play: &Play<'_>,
     course: &TipCourse<'_>,
 ) -> Result<PlayedTip, SimulationError> {
-    let meshes = arm.links().iter().zip(plans).map(|(own, plan)| Mesh::new(&own.link, plan));
-    let mut meshes: Vec<Mesh> = meshes.collect::<Result<_, _>>()?;
+    let mut meshes = meshes(arm, plans)?;
     if !play.is_bent(arm) {
         return linear(&arm.links()[0].link, &meshes.swap_remove(0), play, course);
     }
+    let (played, rings) = bent(arm, meshes, play, course)?;
+    Ok(PlayedTip::of(played, rings))
+}
+
+/// The play of [`simulate_tip`] with the joints, and its lowest mode that rings. It has no warnings, and no energies of bent
+/// links.
+///
+/// # Errors
+/// [`SimulationError`].
+pub fn simulate_once(
+    arm: &Arm,
+    plans: &[MeshPlan],
+    play: &Play<'_>,
+    course: &TipCourse<'_>,
+) -> Result<(Played, Option<Ringing>), SimulationError> {
+    let mut meshes = meshes(arm, plans)?;
+    if play.is_bent(arm) {
+        return bent(arm, meshes, play, course);
+    }
+    let (link, mesh) = (&arm.links()[0].link, meshes.swap_remove(0));
+    let (band_rad_s, started, _) = started(link, &mesh, play)?;
+    let rings = rings(&started.equations, play);
+    let until_s = Some(until_s(play, course, rings));
+    let played = play_modes(link, mesh, &Play { until_s, ..*play }, band_rad_s)?;
+    Ok((Played { warnings: Vec::new(), ..played }, rings))
+}
+
+fn meshes(arm: &Arm, plans: &[MeshPlan]) -> Result<Vec<Mesh>, SimulationError> {
+    let meshes = arm.links().iter().zip(plans).map(|(own, plan)| Mesh::new(&own.link, plan));
+    Ok(meshes.collect::<Result<_, _>>()?)
+}
+
+/// Bent links at one refinement.
+fn bent(
+    arm: &Arm,
+    meshes: Vec<Mesh>,
+    play: &Play<'_>,
+    course: &TipCourse<'_>,
+) -> Result<(Played, Option<Ringing>), SimulationError> {
     let rings = rings_bent(arm, &meshes, play, course.directions_rad);
     let until_s = Some(until_s(play, course, rings));
-    let (grid, at_m) = bent_tip(arm, meshes, &Play { until_s, ..*play }, course.refinements)?;
-    Ok(PlayedTip { grid, at_m, rings })
+    let play = Play { until_s, ..*play };
+    Ok((play_bent_once(arm, meshes, &play, course.refinements)?, rings))
 }
 
 /// End of the play in s: not before the input's.
 fn until_s(play: &Play<'_>, course: &TipCourse<'_>, rings: Option<Ringing>) -> f64 {
     let after_s = course.periods * rings.map_or(0.0, |own| own.period_s);
     (course.end_s + after_s).max(course.least_s).max(play.input.grid().end_s())
+}
+
+/// A linear link before its play, with the band of the input in rad/s and the input.
+fn started(
+    link: &Link,
+    mesh: &Mesh,
+    play: &Play<'_>,
+) -> Result<(f64, Started, Driving), SimulationError> {
+    let band_rad_s = play.band_rad_s(NEGLIGIBLE).ok_or(play.nothing())?;
+    let driving = play.driving((0, link), play.zero_of_state_rad(link), false)?;
+    let law = DampingLaw::of(link, mesh)?;
+    let started = Started::of(link, (mesh, &law), (play, &driving), band_rad_s)?;
+    Ok((band_rad_s, started, driving))
 }
 
 /// The tip of a linear link by its modes.
@@ -104,11 +166,8 @@ fn linear(
     play: &Play<'_>,
     course: &TipCourse<'_>,
 ) -> Result<PlayedTip, SimulationError> {
-    let band_rad_s = play.band_rad_s(NEGLIGIBLE).ok_or(play.nothing())?;
-    let driving = play.driving((0, link), play.zero_of_state_rad(link), false)?;
-    let law = DampingLaw::of(link, mesh)?;
-    let Started { equations, start: [coordinates, rates], .. } =
-        Started::of(link, (mesh, &law), (play, &driving), band_rad_s)?;
+    let (_, started, driving) = started(link, mesh, play)?;
+    let Started { equations, start: [coordinates, rates], .. } = started;
     let rings = rings(&equations, play);
     let grid = continued(play.input.grid(), Some(until_s(play, course, rings)))?;
     let stepper = Stepper::new(&equations, grid.step_s).starting_at(&coordinates, &rates);

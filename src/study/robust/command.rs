@@ -12,8 +12,8 @@ use crate::link::{Arm, ParameterError};
 use crate::motion::{Ends, Shaper};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, extremes, largest};
 use crate::response::{
-    Feedback, HistoryError, HubReference, Input, Play, Ringing, SimulationError, Start, TipCourse,
-    Torque, simulate, simulate_tip,
+    Feedback, HistoryError, HubReference, Input, Play, PlayedTip, Ringing, SimulationError, Start,
+    TipCourse, Torque, simulate, simulate_once, simulate_tip,
 };
 use crate::result::{LimitedValue, Limits, PlayedMetrics};
 
@@ -270,13 +270,12 @@ impl Command {
             refinements: self.refinements,
             directions_rad: &self.directions_rad[1],
         };
-        let tip = simulate_tip(arm, plans, &play, &course)?;
-        let limited = if limits.iter().all(|own| *own == Limits::default()) {
-            Vec::new()
+        let (tip, limited) = if limits.iter().all(|own| *own == Limits::default()) {
+            (simulate_tip(arm, plans, &play, &course)?, Vec::new())
         } else {
-            let until_s = Some(tip.grid.end_s());
-            let played = simulate(arm, plans, &Play { until_s, ..play }, &|_| {})?;
-            PlayedMetrics::of(&played, arm).limited(limits)
+            let (played, rings) = simulate_once(arm, plans, &play, &course)?;
+            let limited = PlayedMetrics::of(&played, arm).limited(limits);
+            (PlayedTip::of(played, rings), limited)
         };
         let error_m = self.error_m(&tip.grid, &tip.at_m, delay_s);
         let period_s = tip.rings.map(|own| own.period_s);

@@ -28,7 +28,7 @@ impl<'a> SolvedCase<'a> {
     }
 }
 
-/// A case with a played torque.
+/// A played case.
 #[derive(Debug, Clone, Copy)]
 pub struct PlayedCase<'a> {
     /// The simulation.
@@ -62,7 +62,7 @@ const AFTER: [Solved; 6] = [
     ("tip_model_error", |case| case.solution.tip_model_error),
 ];
 
-/// The columns of a link with a played torque before those of its hub.
+/// The columns of a played link before those of its hub.
 const PLAYED: [OfPlayed; 11] = [
     ("period_1_s", |case| {
         let first = case.simulation.links[0].natural_frequencies_rad_s.first();
@@ -83,13 +83,13 @@ const PLAYED: [OfPlayed; 11] = [
     ("residual_frequency_hz", |case| residual(case)?.frequency_hz),
     ("residual_decay_s", |case| residual(case)?.decay_s),
 ];
-/// The columns of a link with a played torque after those of its hub.
+/// The columns of a played link after those of its hub.
 const AFTER_PLAYED: [OfPlayed; 2] = [
     ("tip_model_error", |case| Some(case.simulation.modes()?.model_error.tip)),
     ("deflection_model_error", |case| Some(case.simulation.modes()?.model_error.deflection)),
 ];
 
-/// The columns of an arm with played torques before those of its joints: its zero and its tip.
+/// The columns of a played arm before those of its joints: its zero and its tip.
 const OF_TIP: std::ops::Range<usize> = 1..7;
 
 /// The columns of an arm after those of its joints; errors are the worst of all joints.
@@ -144,12 +144,14 @@ pub enum SweepKind {
         /// Of a link or an arm on a carriage.
         slides: bool,
     },
-    /// The torques of one table, played on every case.
+    /// One table of torques, voltages or motions of the joints, played on every case.
     Played {
         /// Number of joints of links; 1 of one link.
         joints: usize,
         /// Of a link or an arm on a carriage.
         slides: bool,
+        /// Of torques alone, which are the same in every case.
+        is_open: bool,
     },
 }
 
@@ -175,7 +177,9 @@ impl SweepKind {
     fn columns(self) -> Vec<Column> {
         let (joints, known, slides) = match self {
             Self::Solved { joints, motor, slides } => (joints, motor, slides),
-            Self::Played { joints, slides } => return Self::played_columns(joints, slides),
+            Self::Played { joints, slides, is_open } => {
+                return Self::played_columns(joints, slides, is_open);
+            }
         };
         let of_joint = |joint| swept(false).map(move |own| Column::Joint(joint, own));
         let motor = |joint| {
@@ -193,13 +197,13 @@ impl SweepKind {
         before.chain(carriage).chain(AFTER_JOINTS.into_iter().map(Column::Solved)).collect()
     }
 
-    /// All cases of a link play the same torque; simulations of arms have no deflection.
-    fn played_columns(joints: usize, slides: bool) -> Vec<Column> {
+    /// The torque of a link is no column where all cases play the same; simulations of arms have no deflection.
+    fn played_columns(joints: usize, slides: bool, is_open: bool) -> Vec<Column> {
         let (before, after, absent) = match joints {
-            1 => (&PLAYED[..], &AFTER_PLAYED[..], "peak_torque"),
-            _ => (&PLAYED[OF_TIP], &[][..], "peak_deflection"),
+            1 => (&PLAYED[..], &AFTER_PLAYED[..], is_open.then_some("peak_torque")),
+            _ => (&PLAYED[OF_TIP], &[][..], Some("peak_deflection")),
         };
-        let is_played = |own: &&JointQuantity| own.of_played.is_some() && own.name != absent;
+        let is_played = |own: &&JointQuantity| own.of_played.is_some() && Some(own.name) != absent;
         let of_joint =
             |joint| swept(false).filter(is_played).map(move |own| Column::Joint(joint, own));
         let whole = |columns: &'static [OfPlayed]| columns.iter().copied().map(Column::Played);
@@ -210,7 +214,7 @@ impl SweepKind {
 
     /// Names of the columns.
     pub fn names(self) -> Vec<String> {
-        let (Self::Solved { joints, slides, .. } | Self::Played { joints, slides }) = self;
+        let (Self::Solved { joints, slides, .. } | Self::Played { joints, slides, .. }) = self;
         let of = if slides { Joint::CARRIAGE } else { Joint::Revolute(Hub::default()) };
         let name = |column| match column {
             Column::Solved((name, _)) | Column::Played((name, _)) => of.named(name),
@@ -231,7 +235,7 @@ impl SweepKind {
         self.columns().into_iter().map(number).collect()
     }
 
-    /// Numbers of a case with played torques.
+    /// Numbers of a played case.
     pub fn played(self, case: &PlayedCase) -> CaseNumbers {
         let number = |column| match column {
             Column::Solved(_) => None,

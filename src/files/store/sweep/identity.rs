@@ -28,11 +28,17 @@ pub struct SweepInputs {
     pub link: Fingerprint,
     /// The trajectory file.
     pub motion: Fingerprint,
-    /// The torque that the sweep plays on every case, if there is one.
+    /// What the sweep plays on every case, if it plays: a torque, or what `--input` in the arguments says.
     pub torque: Option<Fingerprint>,
-    /// The force on an arm's carriage, if it has a file of its own.
+    /// The force on an arm's carriage, or its motion, if it has a file of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<Fingerprint>,
+    /// The reference of a feedback, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Fingerprint>,
+    /// The reference of an arm's carriage, if it has a file of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carriage_reference: Option<Fingerprint>,
     /// What is varied.
     pub vary: Vec<String>,
     /// The other arguments.
@@ -65,6 +71,21 @@ struct Record {
     /// The table beside the record; absent in the first line of a table.
     #[serde(skip_serializing_if = "Option::is_none")]
     table: Option<Fingerprint>,
+}
+
+impl SweepInputs {
+    /// The role and the key of every file.
+    fn files(&self) -> [(&'static str, &'static str, Option<&Fingerprint>); 6] {
+        let Self { link, motion, torque, force, reference, carriage_reference, .. } = self;
+        [
+            ("link", "inputs.link.sha256", Some(link)),
+            ("motion", "inputs.motion.sha256", Some(motion)),
+            ("torque", "inputs.torque.sha256", torque.as_ref()),
+            ("force", "inputs.force.sha256", force.as_ref()),
+            ("reference", "inputs.reference.sha256", reference.as_ref()),
+            ("carriage_reference", "inputs.carriage_reference.sha256", carriage_reference.as_ref()),
+        ]
+    }
 }
 
 impl SweepIdentity {
@@ -189,19 +210,13 @@ impl SweepIdentity {
     }
 
     /// Keys whose values decide the rows.
-    fn keys(&self) -> [(&'static str, String); 7] {
-        let SweepInputs { link, motion, torque, force, vary, arguments } = &self.record.inputs;
-        let [torque, force] = [torque, force]
-            .map(|file| file.as_ref().map(|own| own.sha256.clone()).unwrap_or_default());
-        [
-            ("flexlink", self.record.flexlink.clone()),
-            ("inputs.link.sha256", link.sha256.clone()),
-            ("inputs.motion.sha256", motion.sha256.clone()),
-            ("inputs.torque.sha256", torque),
-            ("inputs.force.sha256", force),
-            (VARY, vary.join(" ")),
-            ("inputs.arguments", arguments.join(" ")),
-        ]
+    fn keys(&self) -> Vec<(&'static str, String)> {
+        let SweepInputs { vary, arguments, .. } = &self.record.inputs;
+        let sha256 = |file: Option<&Fingerprint>| file.map_or("", |own| &own.sha256).to_owned();
+        let files = self.record.inputs.files().map(|(_, key, file)| (key, sha256(file)));
+        let others = [(VARY, vary.join(" ")), ("inputs.arguments", arguments.join(" "))];
+        let version = ("flexlink", self.record.flexlink.clone());
+        [version].into_iter().chain(files).chain(others).collect()
     }
 
     /// The table beside the record.
@@ -211,16 +226,17 @@ impl SweepIdentity {
 
     /// Program, inputs and arguments of the sweep.
     pub(in crate::files::store) fn origin(&self) -> Origin {
-        let SweepInputs { link, motion, torque, force, vary, arguments } = &self.record.inputs;
-        let [torque, force] =
-            [("torque", torque), ("force", force)].map(|(role, file)| (role, file.as_ref()));
-        let files = [("link", Some(link)), ("motion", Some(motion)), torque, force];
+        let SweepInputs { vary, arguments, .. } = &self.record.inputs;
+        let files = self.record.inputs.files();
         let vary = vary.iter().flat_map(|text| ["--vary".to_owned(), text.clone()]);
         Origin {
             command: self.record.command.clone(),
             version: self.record.flexlink.clone(),
             title: self.record.title.clone(),
-            inputs: files.into_iter().filter_map(|(role, file)| Some(file?.input(role))).collect(),
+            inputs: files
+                .into_iter()
+                .filter_map(|(role, _, file)| Some(file?.input(role)))
+                .collect(),
             arguments: arguments.iter().cloned().chain(vary).collect(),
         }
     }
@@ -247,6 +263,8 @@ pub(super) fn identity_of(
         motion: Fingerprint::of(&file),
         torque: None,
         force: None,
+        reference: None,
+        carriage_reference: None,
         vary: vec![vary.to_owned()],
         arguments: arguments.iter().map(|a| (*a).to_owned()).collect(),
     };

@@ -167,8 +167,8 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     let motors = [MotorKnown::Voltage, MotorKnown::Current, MotorKnown::Torque];
     let motors = || motors.into_iter().map(Some).chain([None]);
     let solved = |joints| motors().map(move |motor| SweepKind::Solved { joints, motor, slides });
-
-    let played = |joints| [SweepKind::Played { joints, slides }];
+    let played =
+        |joints| [true, false].map(|is_open| SweepKind::Played { joints, slides, is_open });
     let kinds = solved(1).chain(played(1)).chain(solved(joints)).chain(played(joints));
     let names_of =
         |kind: SweepKind| [kind.names(), [WARNINGS, ERROR].map(str::to_owned).into()].concat();
