@@ -420,6 +420,22 @@ fn allow_is_a_pass_mark() {
     bench.done(&with(&study, &["--allow", "40 mm", "--strict", "--deny-warnings"]));
 }
 
+/// The plays that give the limited values give the same errors as those of the tip alone.
+#[test]
+fn limits_change_no_error() {
+    let bench = Bench::new();
+    let study = ["--uncertain", "segments.*.EI*=±10%", "--play", "position", "--runs", "20"];
+    robust(&bench, &study);
+    robust(&bench, &with(&study, &["--set", "limits={torque=1.4}", "-o", "limited"]));
+    let [free, limited] =
+        ["robust", "limited"].map(|run| bench.json(&format!("{run}/summary.json")));
+    for measure in 0..3 {
+        let size = |of| number(of, &format!("worst/{measure}/size_m"));
+        assert!((size(&limited) / size(&free) - 1.0).abs() < 1e-9, "{measure}");
+    }
+    assert!(number(&limited, "over_limits/0/share") > 0.1);
+}
+
 #[test]
 fn the_table_of_the_link_file_says_what_is_uncertain() {
     let bench = Bench::new();
