@@ -15,6 +15,7 @@ use crate::text::{plain, shown_path};
 
 use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments};
 use crate::cli::options::inputs::{LinkArgs, ReadArgs};
+use crate::cli::options::moves::under_voltages;
 use crate::cli::options::play::{PlayArgs, Playing};
 use crate::cli::terminal::files::{keep, keep_inputs};
 use crate::cli::terminal::text::simulate_text;
@@ -165,12 +166,7 @@ impl Simulate {
         let order = specification.analysis.second_order_of(specification.link());
         let is_large = order != SecondOrder::None;
         let moved = if self.play.is_under_voltage() {
-            specification.arm.under_voltages().map_err(|error| {
-                let message =
-                    format!("{}{}", shown(&file), specification.arm.worded(&error.to_string()));
-                let hint = "[drive] has torque_constant in N m/A and resistance in ohm";
-                Failure::new(Exit::InputRefused, &message, Some(hint))
-            })?
+            under_voltages(&specification.arm).map_err(|failure| failure.placed(&file.shown))?
         } else {
             specification.arm.clone()
         };

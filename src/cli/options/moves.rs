@@ -1,6 +1,6 @@
 //! The input of a simulation, its feedback and its start, from files or arrays.
 
-use crate::link::Arm;
+use crate::link::{Arm, Drive, Link};
 use crate::response::{Feedback, HubReference, Input, Interpolation, Play, Start, State, Torque};
 use crate::result::TipPlaces;
 
@@ -11,6 +11,24 @@ use crate::cli::terminal::{Exit, Failure, memory};
 pub enum Moving {
     Torques(Vec<Torque>),
     Angles(Vec<HubReference>),
+}
+
+/// The link or the arm that moves under voltages: with the rotors of its motors.
+pub fn under_voltages(arm: &Arm) -> Result<Arm, Failure> {
+    arm.under_voltages().map_err(|error| {
+        let hint = "[drive] has torque_constant in N m/A and resistance in ohm";
+        Failure::new(Exit::InputRefused, &arm.worded(&error.to_string()), Some(hint))
+    })
+}
+
+/// The torque of a link's motor at the held joint, under voltages at these times.
+pub fn torque_of_voltages(link: &Link, times_s: &[f64], volts: &[f64]) -> Result<Torque, Failure> {
+    let per_volt = link.drive().and_then(Drive::effort_per_volt).unwrap_or_default();
+    let torque = volts.iter().map(|volts| per_volt * volts).collect();
+    Torque::new(times_s, torque).map_err(|error| {
+        let message = error.to_string().replace("torque", "voltage");
+        Failure::new(Exit::InputRefused, &message, error.hint())
+    })
 }
 
 /// A play of a link or an arm from a call, and the wanted tip.

@@ -10,7 +10,7 @@ use crate::csv::{
     read_torque_table_as,
 };
 use crate::fit::RecordedInput;
-use crate::link::{Arm, Drive, ParameterError};
+use crate::link::{Arm, ParameterError};
 use crate::numeric::TimeGrid;
 use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
@@ -18,7 +18,7 @@ use crate::store::read_state;
 
 use super::common::{angle_rad, finite, metres, option};
 use super::inputs::{ReadArgs, tell, worded};
-use super::moves::{AtRest, Begins, Moves, Moving};
+use super::moves::{AtRest, Begins, Moves, Moving, torque_of_voltages};
 use crate::cli::terminal::{Exit, Failure, console};
 
 /// Quantity that moves the link: of a hub, or of a carriage.
@@ -363,14 +363,9 @@ impl PlayArgs {
                             names another one";
                 Failure { hint: Some(hint.to_owned()), ..Failure::from(error) }
             })?;
-            let per_volt = own.link.drive().and_then(Drive::effort_per_volt).unwrap_or_default();
             let times_s: Vec<f64> = (0..table.grid.len).map(|k| table.grid.time_s(k)).collect();
-            let torque = table.input.iter().map(|volts| per_volt * volts).collect();
-            let torque = Torque::new(&times_s, torque).map_err(|error| {
-                let message =
-                    format!("{shown}: {}", error.to_string().replace("torque", "voltage"));
-                Failure::new(Exit::InputRefused, &message, error.hint())
-            })?;
+            let torque = torque_of_voltages(&own.link, &times_s, &table.input);
+            let torque = torque.map_err(|failure| failure.placed(shown))?;
             all.push((torque, table.reading));
         }
         let (torques, mut readings): (Vec<_>, Vec<_>) = all.into_iter().unzip();
