@@ -91,8 +91,9 @@ struct Tables {
 /// >>> motion = flexlink.trajectory("min-jerk", distance=0.5, duration=2, step=0.004, **rest)
 /// >>> first = flexlink.solve(link, **motion)
 /// >>> def measured(play):
-/// ...     played = flexlink.simulate(rig, play.time, torque=play.torque, until=4.5)
-/// ...     return {"time": played.time, "tip": played.tip_displacement}
+/// ...     played = flexlink.simulate(rig, play.time, torque=play.torque, until=max(6, play.time[-1]))
+/// ...     rows = played.time <= 6  # as long in every step
+/// ...     return {"time": played.time[rows], "tip": played.tip_displacement[rows]}
 /// >>> step = flexlink.learn(link, measured=measured(first), uncertain=["segments.*.EI*=±15%"], **motion)
 /// >>> again = flexlink.learn(
 /// ...     link, measured=measured(step), applied=step, uncertain=["segments.*.EI*=±15%"], **motion

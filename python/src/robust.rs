@@ -58,7 +58,7 @@ pub(crate) struct Robustness {
 /// ...     hub={"inertia": 0.1}, damping={"ratio": 0.02},
 /// ... )
 /// >>> motion = flexlink.trajectory("min-jerk", distance=0.5, duration=1, step=0.004)
-/// >>> intervals = {"segments.*.EI*": "±5%", "hub.inertia": (0.09, 0.11)}
+/// >>> intervals = {"segments.*.EI*": "±5%", "hub.inertia": (0.099, 0.101)}
 /// >>> found = flexlink.robust(link, **motion, uncertain=intervals, runs=50)
 /// >>> found.worst["tip_error"]["size_m"] > found.quantiles["tip_error"]["p95_m"][0]
 /// True
