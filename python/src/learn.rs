@@ -39,7 +39,7 @@ const STEP: [&str; 10] = [
     "decimal",
 ];
 
-/// What the joints play next, and what it promises. Arrays have a row for each of ``time``, those of an arm a column for each
+/// The next table of the joints, with the error to expect. Arrays have a row for each of ``time``, those of an arm a column for each
 /// joint. Units are SI.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Learned {
@@ -57,7 +57,7 @@ pub(crate) struct Learned {
     summary: PyOnceLock<String>,
 }
 
-/// What was played, in a call.
+/// The table that was played for a recording.
 enum Applied {
     Next(Played),
     File(InputFile, bool),
@@ -200,7 +200,7 @@ impl Learned {
 }
 
 impl Tables {
-    /// The files; none if one of the inputs is no file.
+    /// The files, if all inputs are files.
     fn inputs(&self, source: &Source, call: &Call<'_>) -> LearnInputs {
         let applied = match &self.applied {
             Some(Applied::File(file, true)) => Some(file),

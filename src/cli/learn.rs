@@ -139,12 +139,12 @@ pub struct LearnOptions {
     read: ReadArgs,
 }
 
-/// A recording of the tip, and what was played for it.
+/// A recording of the tip, and the table that was played for it.
 pub struct Trial<'a> {
     /// Name of the recording in messages.
     pub shown: &'a str,
     pub recording: &'a ChannelRecording,
-    /// What was played, with its name in messages; `None`: the answer of `solve`.
+    /// The table that was played, with its name in messages; `None`: the answer of `solve`.
     pub applied: Option<(&'a Table, &'a str)>,
 }
 
