@@ -53,7 +53,9 @@ pub struct Found {
 impl Found {
     /// Prints notes, warnings and remarks.
     pub(super) fn tell(&self) {
-        self.notes.iter().for_each(|note| console::note(note));
+        for note in &self.notes {
+            console::note(note);
+        }
         console::warnings(self.warnings.iter().cloned());
         console::remarks(self.remarks.iter().cloned());
     }
@@ -265,7 +267,9 @@ impl Search {
         match (best, last) {
             (Some((_, profile, fit)), _) => Ok((profile, fit)),
             (None, Some(error)) => {
-                told.iter().for_each(|note| console::note(note));
+                for note in &*told {
+                    console::note(note);
+                }
                 Err(error.into())
             }
             (None, None) => Err(Failure::new(Exit::Usage, &"there is no profile", None)),
