@@ -41,6 +41,7 @@
 //! | | [`result`] | peaks and other numbers of a run, limits; a simulation beside a recording; a run read back |
 //! | | [`sweep`] | many cases in parallel, in a fixed order; their numbers; shards |
 //! | | [`robust`] | the tip of plants that differ from the model, over intervals of the link's values |
+//! | | [`learn`] | the next effort of a repeated motion from the measured error of the tip |
 //! | | [`verify`] | every approximation of a solution, measured by an independent method |
 //! | | [`fit`] | parameters of a link from measured frequencies, zeros and damping ratios; which of them these do not determine |
 //! | `files` | [`spec`] | link file and `--set` → [`link::Link`]; files of tolerances and of measured values |

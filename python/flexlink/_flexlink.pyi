@@ -13,6 +13,7 @@ _Path: TypeAlias = str | PathLike[str]
 _Array: TypeAlias = npt.NDArray[np.float64]
 _Column: TypeAlias = npt.ArrayLike
 _Changes: TypeAlias = Mapping[str, Any]
+_Uncertain: TypeAlias = str | Sequence[str] | Mapping[str, str | tuple[float, float]]
 
 __version__: str
 
@@ -43,7 +44,7 @@ class _Solving(TypedDict, total=False):
     moments: bool
     stations: Sequence[float | str]
 
-class _LinkOptions(_MotionOptions, _Solving, total=False):
+class _AllMotions(_MotionOptions, total=False):
     x: _Column
     y: _Column
     angle1: _Column
@@ -56,6 +57,8 @@ class _LinkOptions(_MotionOptions, _Solving, total=False):
     angle8: _Column
     angle9: _Column
     carriage: _Column
+
+class _LinkOptions(_AllMotions, _Solving, total=False): ...
 
 class _Rows(TypedDict, total=False):
     every: int
@@ -75,8 +78,31 @@ class _Outputs(_Tables, total=False):
 
 class _SweepOptions(_LinkOptions, _Tables, total=False): ...
 
+class _RobustOptions(_AllMotions, total=False):
+    uncertain: _Uncertain | None
+    play: Literal["effort", "position", "feedback"]
+    feedback: tuple[float, float] | Sequence[tuple[float, float]] | None
+    fit: Fit | _Path | None
+    command: Literal["inverse", "rigid", "zv", "zvd", "ei", "2hump"]
+    runs: int
+    seed: int
+    distribution: Literal["uniform", "normal"]
+    band: float | str
+    allow: float | str
+
+class _LearnOptions(_AllMotions, total=False):
+    applied: Learned | Mapping[str, _Column] | _Path | None
+    uncertain: _Uncertain | None
+    fit: Fit | _Path | None
+    play: Literal["effort", "position"]
+    shift: float | str
+
+class _Digits(TypedDict, total=False):
+    digits: int | Literal["full"]
+
 class _PlayOptions(TypedDict, total=False):
     torque: _Column
+    voltage: _Column
     hub_angle: _Column
     hub_rate: _Column | None
     force: _Column
@@ -351,6 +377,73 @@ class Fit:
     def text(self) -> str: ...
     def write(self, path: _Path) -> None: ...
 
+@final
+class Robustness:
+    @property
+    def nominal(self) -> dict[str, float | None]: ...
+    @property
+    def worst(self) -> dict[str, dict[str, Any]]: ...
+    @property
+    def quantiles(self) -> dict[str, dict[str, tuple[float, float]]] | None: ...
+    @property
+    def keys(self) -> list[dict[str, Any]]: ...
+    @property
+    def shares(self) -> dict[str, float]: ...
+    @property
+    def plants(self) -> dict[str, Any]: ...
+    @property
+    def envelope(self) -> dict[str, _Array]: ...
+    @property
+    def helps(self) -> list[dict[str, Any]]: ...
+    @property
+    def summary(self) -> dict[str, Any]: ...
+    @property
+    def warnings(self) -> list[FlexlinkWarning]: ...
+    @property
+    def remarks(self) -> list[FlexlinkWarning]: ...
+    def write(self, folder: _Path, **options: Unpack[_Digits]) -> None: ...
+
+@final
+class Learned:
+    @property
+    def time(self) -> _Array: ...
+    @property
+    def torque(self) -> _Array: ...
+    @property
+    def force(self) -> _Array: ...
+    @property
+    def hub_angle(self) -> _Array: ...
+    @property
+    def hub_rate(self) -> _Array: ...
+    @property
+    def joint_angle(self) -> _Array: ...
+    @property
+    def joint_rate(self) -> _Array: ...
+    @property
+    def carriage(self) -> _Array: ...
+    @property
+    def carriage_velocity(self) -> _Array: ...
+    @property
+    def rms(self) -> float: ...
+    @property
+    def peak(self) -> float: ...
+    @property
+    def predicted_rms(self) -> float: ...
+    @property
+    def contraction(self) -> float: ...
+    @property
+    def weighted_contraction(self) -> float: ...
+    @property
+    def band_end(self) -> float: ...
+    @property
+    def summary(self) -> dict[str, Any]: ...
+    @property
+    def warnings(self) -> list[FlexlinkWarning]: ...
+    @property
+    def remarks(self) -> list[FlexlinkWarning]: ...
+    def write(self, path: _Path, **options: Unpack[_Digits]) -> None: ...
+    def to_pandas(self) -> pandas.DataFrame: ...
+
 @overload
 def solve(link: Link, time: Motion, **options: Unpack[_Solving]) -> Solution: ...
 @overload
@@ -365,6 +458,15 @@ def sweep(
     **options: Unpack[_SweepOptions],
 ) -> dict[str, Any]: ...
 def simulate(link: Link, time: _Column, **options: Unpack[_PlayOptions]) -> Simulation: ...
+def robust(
+    link: Link, time: _Column | _Path | Motion, **options: Unpack[_RobustOptions]
+) -> Robustness: ...
+def learn(
+    link: Link,
+    time: _Column | _Path | Motion,
+    measured: Mapping[str, _Column] | _Path,
+    **options: Unpack[_LearnOptions],
+) -> Learned: ...
 def modes(
     link: Link, count: int = 10, *, at: float | Sequence[float] | None = None
 ) -> dict[str, _Array]: ...

@@ -109,6 +109,15 @@ impl<T> OneOrEach<T> {
     }
 }
 
+/// Gains of feedback in a call: a pair for all joints, or one for each.
+pub(crate) fn gains(value: &Any<'_>) -> Raises<Vec<(f64, f64)>> {
+    let pairs = value.extract::<OneOrEach<[f64; 2]>>().map_err(|_| {
+        let must = "must be (stiffness, damping), or a list of one for each joint";
+        usage(&format!("feedback = something else, but {must}"), None)
+    })?;
+    Ok(pairs.list().into_iter().map(Into::into).collect())
+}
+
 /// Nodes in a call, by default all.
 pub(crate) type Nodes = Option<Numbers>;
 

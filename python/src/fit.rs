@@ -3,11 +3,14 @@
 use flexlink::cli::fit::{Problem, check_output};
 use flexlink::cli::options::common::option;
 use flexlink::cli::terminal::console;
+use flexlink::csv::InputFile;
 use flexlink::fit::{FitOutcome, Replaced};
 use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
 
+use crate::keywords::take;
 use crate::link::Link;
 use crate::prelude::*;
+use crate::samples::path_of;
 use crate::threads::until_pressed;
 
 /// A link or an arm fitted to measurements.
@@ -36,6 +39,21 @@ pub(crate) fn fit(
     let fit = until_pressed(py, || fitted(link, &measured, &free))?;
     warn(py, &fit.warnings)?;
     Ok(fit)
+}
+
+/// Takes the keyword `fit`, the record of a fit: its file, or that of its object. True for a file.
+pub(crate) fn take_fit(keywords: &Keywords<'_>) -> Raises<Option<(InputFile, bool)>> {
+    let Some(fit) = take(keywords, "fit")? else { return Ok(None) };
+    if let Ok(fit) = fit.cast::<Fit>() {
+        let (shown, name) = ("fit".to_owned(), "fit".to_owned());
+        let bytes = fit.get().record.clone().into_bytes();
+        return Ok(Some((InputFile { shown, name, bytes }, false)));
+    }
+    let Some(path) = path_of(&fit)? else {
+        let must = "must be a Fit, or the path of its record";
+        return Err(PyTypeError::new_err(format!("fit = {}, but {must}", fit.get_type())).into());
+    };
+    Ok(Some((InputFile::read(&path).map_err(Failure::from)?, true)))
 }
 
 fn fitted(link: &Link, measured: &Path, free: &[String]) -> Fails<Fit> {

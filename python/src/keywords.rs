@@ -25,6 +25,37 @@ pub(crate) fn take<'py>(keywords: &Keywords<'py>, name: &str) -> PyResult<Option
     Ok((!value.is_none()).then_some(value))
 }
 
+/// Takes the keywords of these names, as arguments.
+pub(crate) fn take_arguments(keywords: &Keywords<'_>, names: &[&str]) -> PyResult<Vec<String>> {
+    let own = PyDict::new(keywords.py());
+    for name in names {
+        if let Some(value) = take(keywords, name)? {
+            own.set_item(name, value)?;
+        }
+    }
+    arguments(&own, &[])
+}
+
+/// Takes the keyword `uncertain` as arguments: a text, a list of texts, or a dictionary of intervals by key, each a text or
+/// its two ends.
+pub(crate) fn take_uncertain(keywords: &Keywords<'_>) -> Raises<Vec<String>> {
+    let Some(values) = take(keywords, "uncertain")? else { return Ok(Vec::new()) };
+    let texts: PyResult<Vec<String>> = if let Ok(intervals) = values.cast::<PyDict>() {
+        let text = |(key, interval): (Any<'_>, Any<'_>)| match interval.extract::<[f64; 2]>() {
+            Ok([low, high]) => Ok(format!("{key}={low:?}..{high:?}")),
+            Err(_) => Ok(format!("{key}={}", interval.extract::<String>()?)),
+        };
+        intervals.iter().map(text).collect()
+    } else {
+        values.extract::<String>().map(|one| vec![one]).or_else(|_| values.extract())
+    };
+    let texts = texts.map_err(|_| {
+        let must = "must be a text, a list of texts, or a dictionary of intervals by key";
+        PyTypeError::new_err(format!("uncertain = {values}, but {must}"))
+    })?;
+    Ok(texts.iter().flat_map(|text| option("--uncertain", text)).collect())
+}
+
 /// Refuses options of the command with another form in a call.
 pub(crate) fn refuse_commands(keywords: &Keywords<'_>) -> Raises<()> {
     let others = [
@@ -138,6 +169,7 @@ fn refused<T: clap::Args>(error: &clap::Error, others: &[&str], renamed: Renamed
             return usage(&message, hint.as_deref());
         }
         ErrorKind::ValueValidation => match error.source() {
+            Some(own) if own.to_string().starts_with("--") => own.to_string(),
             Some(must) => format!("{argument} = {value}: {must}"),
             None => format!("{argument} = {value} is refused"),
         },

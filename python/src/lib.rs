@@ -14,6 +14,7 @@
 //! | `solution` | `solve`, and its result |
 //! | `simulation`, `simulate` | results of simulations; their input in the keywords of a call |
 //! | `sweep` | many cases in parallel |
+//! | `robust`, `learn` | links that differ from their file: the tip of many; the next torque from a measured tip |
 //! | `frequency`, `trajectory`, `fit` | the commands of these names, and modes |
 //! | `stored` | results read back |
 //!
@@ -27,11 +28,13 @@ mod arrays;
 mod fit;
 mod frequency;
 mod keywords;
+mod learn;
 mod link;
 mod messages;
 mod motion;
 mod prelude;
 mod properties;
+mod robust;
 mod samples;
 mod simulate;
 mod simulation;
@@ -65,9 +68,13 @@ mod _flexlink {
     #[pymodule_export]
     use super::frequency::{frf, modes};
     #[pymodule_export]
+    use super::learn::{Learned, learn};
+    #[pymodule_export]
     use super::link::Link;
     #[pymodule_export]
     use super::motion::Motion;
+    #[pymodule_export]
+    use super::robust::{Robustness, robust};
     #[pymodule_export]
     use super::simulate::simulate;
     #[pymodule_export]
@@ -95,6 +102,7 @@ mod _flexlink {
         }
         properties::add::<Solution>(module.py())?;
         properties::add::<Simulation>(module.py())?;
+        properties::add::<Learned>(module.py())?;
         properties::add::<Run>(module.py())
     }
 

@@ -1,5 +1,7 @@
 //! Errors and warnings with the command's text and hint, as Python's.
 
+use std::fmt::Write as _;
+
 use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::csv::Reading;
 use flexlink::result::Notice;
@@ -58,6 +60,12 @@ pub(crate) fn in_python(text: &str) -> String {
             _ if begins && name.starts_with(|c: char| c.is_ascii_lowercase()) => {
                 shown.push_str(&name.replace('-', "_"));
                 let value = after.strip_prefix(' ').unwrap_or_default();
+                let quoted = value.strip_prefix('\'').and_then(|rest| rest.split_once('\''));
+                if let Some((text, _)) = quoted.filter(|(text, _)| text.contains('=')) {
+                    let _ = write!(shown, "={text:?}");
+                    rest = &after[3 + text.len()..];
+                    continue;
+                }
                 let value = value.split([' ', ';', ')', '`']).next().unwrap_or_default();
                 let value = value.trim_end_matches([',', '.']);
                 if let Some(value_of) = as_value(value) {

@@ -1,6 +1,6 @@
 //! A call's motion of a tip with its options, and motions that are read once.
 
-use flexlink::cli::options::inputs::Wanted;
+use flexlink::cli::options::inputs::{MotionArgs, Wanted};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::csv::SampleRows;
 use flexlink::link::{Gravity, Link as OneLink};
@@ -51,11 +51,19 @@ impl<'a> Call<'a> {
         Ok(Self { samples: Arc::clone(&motion.samples), arguments, motion: Some(motion) })
     }
 
+    /// The options without those of reading the file of a [`Motion`], which has been read.
+    pub(crate) fn unread(&self) -> Fails<Vec<String>> {
+        let Some(motion) = self.motion else { return Ok(self.arguments.clone()) };
+        let options = keywords::solve_options(&motion.arguments)?;
+        let own = self.arguments[motion.arguments.len()..].to_vec();
+        Ok([options.resample.arguments(), options.scale.arguments(), own].concat())
+    }
+
     /// The wanted motion of a link or an arm, and remarks on its file.
-    pub(crate) fn wanted(
+    pub(crate) fn wanted<'o>(
         &self,
         link: &Link,
-        options: &SolveOptions,
+        options: impl Into<MotionArgs<'o>>,
     ) -> Fails<(Wanted, Vec<Notice>)> {
         let Some(motion) = self.motion else {
             return self.samples.wanted(&link.specification.arm, options);

@@ -2,7 +2,7 @@
 
 use pyo3::types::PyString;
 
-use flexlink::cli::options::inputs::Wanted;
+use flexlink::cli::options::inputs::{MotionArgs, ReadArgs, ResampleArgs, Wanted};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::csv::{InputFile, MotionTable, Reading, read_motion_table_as};
 use flexlink::link::Arm;
@@ -53,12 +53,17 @@ impl Samples {
     }
 
     /// The table of the motion of links with these lengths.
-    pub(crate) fn table(&self, lengths_m: &[f64], options: &SolveOptions) -> Fails<MotionTable> {
+    pub(crate) fn table<'a>(
+        &self,
+        lengths_m: &[f64],
+        options: impl Into<MotionArgs<'a>>,
+    ) -> Fails<MotionTable> {
+        let (read, resample, _) = options.into();
         if let Self::File(InputFile { shown, bytes, .. }) = self {
-            let format = options.resample.format(&options.read);
+            let format = resample.format(read);
             return Ok(read_motion_table_as(shown, bytes, lengths_m, &format)?);
         }
-        refuse_reading(options)?;
+        refuse_reading(read, resample)?;
         let time_s = self.array("time").unwrap_or_default();
         match lengths_m {
             [length_m] => self.tip(time_s, *length_m),
@@ -99,11 +104,17 @@ impl Samples {
     }
 
     /// The wanted motion of an arm, and remarks on its file.
-    pub(crate) fn wanted(&self, arm: &Arm, options: &SolveOptions) -> Fails<(Wanted, Vec<Notice>)> {
+    pub(crate) fn wanted<'a>(
+        &self,
+        arm: &Arm,
+        options: impl Into<MotionArgs<'a>>,
+    ) -> Fails<(Wanted, Vec<Notice>)> {
+        let options = options.into();
+        let (_, resample, scale) = options;
         let table = self.table(&arm.lengths_m(), options)?;
         let reading = self.remarks(table.reading());
-        let wanted = options.resample.motion_in(table, Some(arm))?;
-        Ok((options.scale.scaled(&wanted)?, reading))
+        let wanted = resample.motion_in(table, Some(arm))?;
+        Ok((scale.scaled(&wanted)?, reading))
     }
 
     pub(crate) fn remarks(&self, reading: &Reading) -> Vec<Notice> {
@@ -154,17 +165,47 @@ fn angle(link: usize) -> String {
 }
 
 /// Refuses options for reading files if the samples are arrays in SI.
-fn refuse_reading(options: &SolveOptions) -> Fails<()> {
+fn refuse_reading(read: &ReadArgs, resample: &ResampleArgs) -> Fails<()> {
     let refused = |option: &str, hint| {
         let option = option.split('=').next().unwrap_or_default();
         Err(usage(&format!("{option} is for files, and the motion is arrays"), Some(hint)))
     };
-    if options.resample.format(&options.read).drop_outliers {
+    if resample.format(read).drop_outliers {
         let hint = "the refusal of a bad sample gives its number and what its neighbours lead to";
         return refused("drop_outliers", hint);
     }
-    let arguments = options.read.arguments();
+    let arguments = read.arguments();
     arguments.first().map_or(Ok(()), |option| refused(option, "arrays are in SI; multiply them"))
+}
+
+/// A table in a call: its file, or a file of the columns in a dictionary, with their names. True for a file.
+pub(crate) fn table_of(name: &str, value: &Any<'_>) -> Raises<(InputFile, bool)> {
+    if let Some(path) = path_of(value)? {
+        return Ok((InputFile::read(&path).map_err(Failure::from)?, true));
+    }
+    let Ok(columns) = value.cast::<PyDict>() else {
+        let must = "must be the path of a file, or a dictionary of its columns";
+        return Err(
+            PyTypeError::new_err(format!("{name} = {}, but {must}", value.get_type())).into()
+        );
+    };
+    let mut texts = Vec::new();
+    for (key, values) in columns {
+        let key: String = key.extract()?;
+        let numbers = column(&format!("{name}: {key}"), &values)?;
+        texts.push((key, numbers));
+    }
+    let rows = texts.first().map_or(0, |(_, numbers)| numbers.len());
+    if let Some((key, numbers)) = texts.iter().find(|(_, numbers)| numbers.len() != rows) {
+        let (found, first) = (numbers.len(), &texts[0].0);
+        let message = format!("{name}: {key} has {found} rows, but must have {rows}, as {first}");
+        return Err(usage(&message, None).into());
+    }
+    let headings: Vec<&str> = texts.iter().map(|(key, _)| key.as_str()).collect();
+    let row = |k: usize| texts.iter().map(|(_, own)| format!("{:?}", own[k])).collect::<Vec<_>>();
+    let lines = [headings.join(",")].into_iter().chain((0..rows).map(|k| row(k).join(",")));
+    let bytes = lines.collect::<Vec<_>>().join("\n").into_bytes();
+    Ok((InputFile { shown: name.to_owned(), name: name.to_owned(), bytes }, false))
 }
 
 /// The path in a text or a path-like object.

@@ -1,16 +1,19 @@
 //! `simulate`: torques of the joints, or a motion of the hub, in arrays, and the other keywords of the call.
 
-use flexlink::cli::options::moves::{AtRest, Begins, Moves, Moving};
+use flexlink::cli::options::moves::{
+    AtRest, Begins, Moves, Moving, of_motor, under_voltages, voltage,
+};
 use flexlink::cli::options::play::feedback;
 use flexlink::csv::{InputFile, Joints};
 use flexlink::elastica::SecondOrder;
+use flexlink::link::Arm;
 use flexlink::motion::TipTarget;
 use flexlink::numeric::TimeGrid;
 use flexlink::response::{HistoryError, HubReference, Interpolation, State, Torque};
 use flexlink::result::TipPlaces;
 use flexlink::store::read_state;
 
-use crate::arrays::{OneOrEach, column, columns};
+use crate::arrays::{column, columns, gains};
 use crate::keywords::{take, unknown};
 use crate::link::Link;
 use crate::motion::Motion;
@@ -24,15 +27,11 @@ use crate::threads::until_pressed;
 const KEYWORDS: [(Links, &str); 6] = [
     (Links::Turning, "torque hub_angle hub_rate"),
     (Links::Carriage, "force carriage carriage_velocity"),
-    (Links::Any, "hold until periodic feedback reference reference_rate target state"),
+    (Links::Any, "voltage hold until periodic feedback reference reference_rate target state"),
     (Links::One, "initial_tip"),
     (Links::Several, "at"),
     (Links::CarriedArm, "carriage_at"),
 ];
-
-/// The refusal of gains that are no numbers.
-const NO_GAINS: &str =
-    "feedback = something else, but must be (stiffness, damping), or a list of one for each joint";
 
 /// The refusal of incomplete feedback.
 const HALF_A_FEEDBACK: &str =
@@ -41,7 +40,8 @@ const HALF_A_FEEDBACK: &str =
 /// Plays torques, or a motion of the joints, on a link or an arm at rest, as ``flexlink simulate``: independent of
 /// ``solve``.
 ///
-/// Arrays over ``time`` in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known.
+/// Arrays over ``time`` in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known; or
+/// ``voltage`` in V of the motor of ``[drive]``, which turns its rotor and the link.
 /// Other keywords: ``hold``, the torque between its samples, ``"cubic"``, ``"linear"`` or ``"zero"``; ``until`` in s;
 /// ``periodic``. ``feedback`` is a pair of gains in N m/rad and N m s/rad, around ``reference`` in rad with
 /// ``reference_rate``. A link on a carriage takes ``force`` in N, or ``carriage`` in m and ``carriage_velocity``, and gains
@@ -49,7 +49,7 @@ const HALF_A_FEEDBACK: &str =
 /// target or the reference does, or with its tip at ``initial_tip`` in m, or from ``state``: an earlier simulation, or the
 /// file that its ``save_state`` wrote.
 ///
-/// For an arm ``torque``, ``hub_angle``, ``hub_rate``, ``reference`` and ``reference_rate`` have a column for each joint, as
+/// For an arm ``torque``, ``voltage``, ``hub_angle``, ``hub_rate``, ``reference`` and ``reference_rate`` have a column for each joint, as
 /// those of its solution.
 /// ``feedback`` is a pair for all joints or a list of pairs; ``target`` has x and y of the tip in m at each time. The arm
 /// starts at rest where the reference does, or with its chords in the directions ``at`` in rad, or where the target does,
@@ -110,33 +110,21 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
         of_joints(names[0], "force")?,
         of_joints(names[1], "carriage")?,
         of_joints(names[2], "carriage_velocity")?,
+        of("voltage", links)?,
     ];
-    let moving = moving((links, names), time_s, input)?;
+    let is_under_voltage = input[3].is_some();
+    let moving = moving((&link.specification.arm, names), time_s, input)?;
     let hold = take(keywords, "hold")?.map(|value| interpolation(&value)).transpose()?;
-    let gains = take(keywords, "feedback")?.map(|value| value.extract::<OneOrEach<[f64; 2]>>());
-    let gains = gains.transpose().map_err(|_| usage(&NO_GAINS, None))?;
-    let gains = gains.map(|gains| gains.list().into_iter().map(Into::into).collect::<Vec<_>>());
+    let gains = take(keywords, "feedback")?.map(|value| gains(&value)).transpose()?;
     let references = match (&gains, of("reference", joints)?, of("reference_rate", joints)?) {
         (None, None, None) => Vec::new(),
         (Some(_), Some(angles), rates) => hubs(time_s, angles, rates)?,
         _ => return Err(usage(&HALF_A_FEEDBACK, None).into()),
     };
     let feedback = feedback(gains.as_deref(), references, &link.specification.arm)?;
-    let grid = match &moving {
-        Moving::Torques(torques) => torques[0].grid(),
-        Moving::Angles(hubs) => {
-            let [effort, position, _] = names;
-            let hint = "a joint that moves as prescribed needs neither";
-            for (name, is_there) in [("hold", hold.is_some()), ("feedback", !feedback.is_empty())] {
-                if is_there {
-                    let message =
-                        format!("{name} stands beside {position}, but must come with {effort}");
-                    return Err(usage(&message, Some(hint)).into());
-                }
-            }
-            hubs[0].grid()
-        }
-    };
+    let effort = if is_under_voltage { "voltage" } else { names[0] };
+    let others = (hold.is_some(), !feedback.is_empty());
+    let grid = grid_of(&moving, [effort, names[1]], others)?;
     let is_periodic = take(keywords, "periodic")?.map(|value| value.is_truthy()).transpose()?;
     let is_periodic = is_periodic.unwrap_or_default();
     let (tip_m, until_s) = (number("initial_tip")?, number("until")?);
@@ -183,8 +171,41 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
         start_angle_rad,
         is_large,
         is_periodic,
-        is_under_voltage: false,
+        is_under_voltage,
     })
+}
+
+/// The times of an input, named as an effort or a position. Refuses a hold or a feedback that it cannot have.
+fn grid_of(
+    moving: &Moving,
+    [effort, position]: [&str; 2],
+    (has_hold, has_feedback): (bool, bool),
+) -> Fails<TimeGrid> {
+    let hubs = match moving {
+        Moving::Torques(_) if effort == "voltage" && has_feedback => {
+            let hint = "the feedback is a torque, which the voltage does not contain";
+            return Err(usage(&"feedback stands beside voltage", Some(hint)));
+        }
+        Moving::Torques(torques) => return Ok(torques[0].grid()),
+        Moving::Angles(hubs) => hubs,
+    };
+    let others = [("hold", has_hold), ("feedback", has_feedback)];
+    let Some((name, _)) = others.iter().find(|(_, is_there)| *is_there) else {
+        return Ok(hubs[0].grid());
+    };
+    let message = format!("{name} stands beside {position}, but must come with {effort}");
+    Err(usage(&message, Some("a joint that moves as prescribed needs neither")))
+}
+
+/// The torques of the motors under voltages, a history for each joint.
+fn under(arm: &Arm, time_s: &[f64], volts: &[Vec<f64>]) -> Fails<Moving> {
+    under_voltages(arm)?;
+    let joints = arm.links().iter().zip(volts);
+    let torque = |(own, volts): (&ArmLink, &Vec<f64>)| {
+        Ok(of_motor(&own.link, &voltage(time_s, volts.clone())?))
+    };
+    let torques = joints.map(torque);
+    Ok(Moving::Torques(torques.collect::<Fails<_>>()?))
 }
 
 /// Histories of the joints of an arm's links, and of its carriage last; both or none.
@@ -219,23 +240,27 @@ fn refuse_others(keywords: &Keywords<'_>, joints: Joints) -> Raises<()> {
     Ok(())
 }
 
-/// The input: torques of the joints, or angles of the hub with or without rates; of a carriage force, position, velocity.
+/// The input: torques of the joints, or voltages of their motors, or angles of the hub with or without rates; of a carriage
+/// force, position, velocity.
 fn moving(
-    (links, [effort, position, rate_of]): (usize, [&str; 3]),
+    (arm, [effort, position, rate_of]): (&Arm, [&str; 3]),
     time_s: &[f64],
-    [torque, angle, rate]: [Option<Vec<Vec<f64>>>; 3],
+    [torque, angle, rate, voltage]: [Option<Vec<Vec<f64>>>; 4],
 ) -> Fails<Moving> {
-    match (torque, angle, rate) {
-        (Some(torques), None, None) => {
+    match (torque, angle, rate, voltage) {
+        (Some(torques), None, None, None) => {
             let torques = torques.into_iter().map(|torque| Torque::new(time_s, torque));
             Ok(Moving::Torques(torques.collect::<Result<_, _>>().map_err(|e| history(&e))?))
         }
-        (None, Some(angles), rates) => Ok(Moving::Angles(hubs(time_s, angles, rates)?)),
-        (None, ..) if links > 1 => {
+        (None, Some(angles), rates, None) => Ok(Moving::Angles(hubs(time_s, angles, rates)?)),
+        (None, None, None, Some(volts)) => under(arm, time_s, &volts),
+        (None, .., None) if arm.alone().is_none() => {
             Err(usage(&"torque is missing: an arm needs a column for each joint", None))
         }
         _ => {
-            let must = format!("must be {effort} alone, or {position} with or without {rate_of}");
+            let must = format!(
+                "must be {effort} or voltage alone, or {position} with or without {rate_of}"
+            );
             Err(usage(&format!("the input {must}"), None))
         }
     }

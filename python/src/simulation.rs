@@ -2,7 +2,7 @@
 
 use pyo3::sync::PyOnceLock;
 
-use flexlink::cli::options::moves::Moves;
+use flexlink::cli::options::moves::{Moves, under_voltages};
 use flexlink::cli::simulate::refusal;
 use flexlink::cli::terminal::{console, memory};
 use flexlink::csv::Joints;
@@ -38,13 +38,15 @@ impl Simulation {
     /// Plays the input of a call.
     pub(crate) fn of(specification: Specification, moves: Moves) -> Fails<Self> {
         let Specification { arm, meshes, .. } = &specification;
+        let moved = moves.is_under_voltage.then(|| under_voltages(arm)).transpose()?;
+        let moved = moved.as_ref().unwrap_or(arm);
         let play = moves.play();
-        let played = simulate(arm, meshes, &play, &|_| {}).map_err(|error| {
+        let played = simulate(moved, meshes, &play, &|_| {}).map_err(|error| {
             let (message, hint) = refusal(&error, arm);
             Failure { message, hint, ..Failure::from(error) }
         })?;
         let compared = moves.target.as_ref().map(|target| FollowedTarget::of(&played, target));
-        let result = Simulated::of(played, arm, &play, compared.transpose()?)?;
+        let result = Simulated::of(played, moved, &play, compared.transpose()?)?;
         let (warnings, summary) = (Vec::new(), PyOnceLock::new());
         let run = Self { specification, moves, result, warnings, summary };
         let warnings = run.with(|run| run.notices(|limit| Notice::from(limit)));

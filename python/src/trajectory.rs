@@ -1,9 +1,10 @@
 //! `trajectory`: motions of a tip and paths of an arm's tip, from the command's options.
 
-use flexlink::cli::trajectory::Trajectory;
+use flexlink::cli::trajectory::{Found, Trajectory};
 
 use crate::arrays::dictionary;
 use crate::keywords::{arguments, parsed};
+use crate::messages::in_python;
 use crate::prelude::*;
 use crate::threads::until_pressed;
 
@@ -20,7 +21,8 @@ const RENAMED: [(&str, &str); 1] = [("from", "start")];
 /// Keywords are the options of ``flexlink trajectory``: ``distance``, ``duration``, ``step``, ``rest_before``,
 /// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``shape``, ``of``, ``quiet_at`` and
 /// ``modes``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``, ``carriage``,
-/// and ``start`` for ``--from``. A list of ``via``, ``set`` or ``fit_limit`` repeats the option.
+/// and ``start`` for ``--from``. A list of ``via``, ``set`` or ``fit_limit`` repeats the option. Notes, as on a duration that
+/// was found, go to ``sys.stderr``.
 ///
 /// >>> import flexlink
 /// >>> motion = flexlink.trajectory("sine", distance=0.5, duration=0.8, step=0.01)
@@ -47,13 +49,23 @@ pub(crate) fn trajectory<'py>(
     let options = arguments(&keywords, &RENAMED)?;
     let words = [options, repeated, vec![profile.to_owned()]].concat();
     let trajectory: Trajectory = parsed(&words, &[], &RENAMED)?;
-    Ok(dictionary(py, until_pressed(py, || columns(&trajectory))?)?)
+    let (columns, Found { notes, warnings, .. }) = until_pressed(py, || made(&trajectory))?;
+    // The text that a notebook shows, too.
+    let written = py.import("sys")?.getattr("stderr")?;
+    for note in notes.iter().filter(|_| !written.is_none()) {
+        written.call_method1("write", (format!("note: {}\n", in_python(note)),))?;
+    }
+    warn(py, &warnings)?;
+    Ok(dictionary(py, columns)?)
 }
 
-/// The columns of a motion or a path, by name.
-fn columns(trajectory: &Trajectory) -> Fails<Vec<(String, Vec<f64>)>> {
+/// Columns by name.
+type Columns = Vec<(String, Vec<f64>)>;
+
+/// The columns of a motion or a path, and what is to say of it.
+fn made(trajectory: &Trajectory) -> Fails<(Columns, Found)> {
     let Some(curve) = trajectory.curve()? else {
-        let motion = trajectory.motion()?.0;
+        let (motion, found) = trajectory.motion()?;
         let columns = [
             ("time", Some(motion.time_s)),
             ("acceleration", motion.acceleration_m_s2),
@@ -61,11 +73,11 @@ fn columns(trajectory: &Trajectory) -> Fails<Vec<(String, Vec<f64>)>> {
             ("displacement", motion.displacement_m),
         ];
         let columns = columns.into_iter().filter_map(|(name, own)| Some((name.to_owned(), own?)));
-        return Ok(columns.collect());
+        return Ok((columns.collect(), found));
     };
-    let path = trajectory.path_along(&curve, trajectory.arm()?.as_ref())?.0;
+    let (path, found) = trajectory.path_along(&curve, trajectory.arm()?.as_ref())?;
     let time = ("time".to_owned(), path.time_s);
     let columns = path.tip.into_iter().flatten().chain(path.angles.into_iter().flatten());
     let columns = columns.chain(path.carriage).map(|column| (column.name, column.values));
-    Ok([time].into_iter().chain(columns).collect())
+    Ok(([time].into_iter().chain(columns).collect(), found))
 }

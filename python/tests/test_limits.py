@@ -84,6 +84,7 @@ LONG = {
     "simulate": "fl.simulate(fine, np.arange(2_000_000) * 1e-5, torque=np.sin(np.arange(2_000_000) * 1e-3) * 1e-3)",
     "trajectory": f"fl.trajectory('best', distance=0.3, step=0.0002, link={str(LINK)!r}, fit_limit='torque=1')",
     "frf": "fl.frf(fine, points=5_000_000)",
+    "robust": "fl.robust(link, motion, uncertain='segments.*.EI*=±5%', runs=1_000_000)",
     "displacements": "solution.displacements()",
     "solve": "fl.solve(fine, **fl.trajectory('septic', distance=0.3, duration=20.0, step=0.00001))",
 }

@@ -228,3 +228,21 @@ def test_threads_share_a_motion_and_a_folder(tmp_path: Path) -> None:
         assert all((found[case] == own).all() for case, own in enumerate(alone))
     peak = np.abs(flexlink.read(tmp_path / "shared").torque).max()
     assert any(abs(peak - np.abs(own).max()) < 1e-9 for own in alone)
+
+
+def test_notes_and_warnings_of_a_motion_reach_python(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.warns(flexlink.FlexlinkWarning, match="limits.torque") as caught:
+        flexlink.trajectory(
+            "min-jerk",
+            distance=0.5,
+            duration=0.88,
+            step=0.002,
+            shape="zv",
+            of="free",
+            link=LINK,
+            set="limits.torque=0.1",
+        )
+    assert len(caught) == 1
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith("note: zv for free mode 1, 1.900 Hz")
+    assert second.startswith("note: the torque starts 0.284 s before the motion")

@@ -164,7 +164,7 @@ def test_what_cannot_be_played_is_refused_in_words() -> None:
     assert refused(reference_rate=torque).startswith("one of feedback and reference")
     pairs = [GAINS, GAINS, GAINS]
     assert refused(feedback=pairs, reference=torque).startswith("feedback = 3 pairs, but")
-    assert refused(hub_angle=torque).startswith("the input must be torque alone, or hub_angle")
+    assert refused(hub_angle=torque).startswith("the input must be torque or voltage alone, or hub_angle")
     assert refused(initial_tip=0.1) == "initial_tip is for one link, and the arm has several"
     assert "did you mean `torque`?" in refused(torqe=torque)
     assert refused(until=0.1).startswith("until = 0.1 s, but")

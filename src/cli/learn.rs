@@ -1,15 +1,16 @@
 //! `learn`: the next effort of a repeated motion from the measured tip.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
-use super::problem::{Problem, Solved};
-use super::robust::{Plants, ends, keys};
+use super::problem::Problem;
+use super::robust::Plants;
 use crate::cli::options::common::{digits_arguments, option, seconds};
 use crate::cli::options::inputs::{
-    ChangeArgs, LINK, MOTION, ReadArgs, ResampleArgs, ScaleArgs, tell,
+    ChangeArgs, LINK, MOTION, MotionArgs, ReadArgs, ResampleArgs, ScaleArgs, tell,
 };
 use crate::cli::terminal::files::{keep_files, read_once};
 use crate::cli::terminal::text::learn_text;
@@ -17,7 +18,7 @@ use crate::cli::terminal::{
     Exit, Failure, PrintArgs, StageBar, ThreadArgs, WarningArgs, console, memory,
 };
 use crate::csv::{
-    Digits, InputFile, Joints, TableFormat, read_joint_references, read_joint_torques,
+    Digits, InputFile, Joints, Reading, TableFormat, read_joint_references, read_joint_torques,
     read_recording_as,
 };
 use crate::inverse::{Resources, Solution, invert_motion};
@@ -27,9 +28,9 @@ use crate::learn::{
 };
 use crate::link::Arm;
 use crate::numeric::largest;
-use crate::result::{Limits, Notice};
-use crate::robust::{Hold, Key, Values, directions_rad};
-use crate::spec::{LinkDocument, Specification, Uncertain};
+use crate::result::{ChannelRecording, Limits, Notice};
+use crate::robust::{Hold, How, Key, Values, directions_rad};
+use crate::spec::{Override, Specification, Uncertain};
 use crate::store::{Fingerprint, LearnInputs, record_json, write_next};
 use crate::text::{shown_path, significant};
 
@@ -79,12 +80,36 @@ pub(crate) struct Learn {
     measured: PathBuf,
 
     #[command(flatten)]
-    changes: ChangeArgs,
+    options: LearnOptions,
 
     /// Table that was played when MEASURED was recorded: torque.csv, force.csv, torques.csv, or with --play position
     /// hub_angle.csv, carriage.csv, joint_angles.csv [default: that of solve].
     #[arg(long, value_name = "FILE")]
     applied: Option<PathBuf>,
+
+    /// Record of a fit, NAME.json beside the fitted LINK: its values vary within their 95 % intervals.
+    #[arg(long, value_name = "FIT")]
+    from: Option<PathBuf>,
+
+    /// Table to write.
+    #[arg(short, long, value_name = "FILE", default_value = "next.csv")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    print: PrintArgs,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+/// The options that shape a step beside its files; its record has them.
+#[derive(Debug, Args)]
+pub struct LearnOptions {
+    #[command(flatten)]
+    changes: ChangeArgs,
 
     /// Quantity that the drives hold.
     #[arg(long = "play", value_name = "WHAT", default_value = "effort")]
@@ -96,21 +121,13 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "KEY=INTERVAL")]
     uncertain: Vec<Uncertain>,
 
-    /// Record of a fit, NAME.json beside the fitted LINK: its values vary within their 95 % intervals.
-    #[arg(long, value_name = "FIT")]
-    from: Option<PathBuf>,
-
     /// Time in MEASURED at the motion's time 0, in s or with its unit. 0 states that the clocks agree.
     #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
     shift: Option<f64>,
 
-    /// Table to write.
-    #[arg(short, long, value_name = "FILE", default_value = "next.csv")]
-    output: PathBuf,
-
     /// Digits: the last one is 10^-N of a column's peak, or `full`.
     #[arg(long, value_name = "N", default_value = "10")]
-    digits: Digits,
+    pub digits: Digits,
 
     #[command(flatten)]
     resample: ResampleArgs,
@@ -119,16 +136,29 @@ pub(crate) struct Learn {
     scale: ScaleArgs,
 
     #[command(flatten)]
-    print: PrintArgs,
-
-    #[command(flatten)]
-    warnings: WarningArgs,
-
-    #[command(flatten)]
-    threads: ThreadArgs,
-
-    #[command(flatten)]
     read: ReadArgs,
+}
+
+/// A recording of the tip, and the table that was played for it.
+pub struct Trial<'a> {
+    /// Name of the recording in messages.
+    pub shown: &'a str,
+    pub recording: &'a ChannelRecording,
+    /// The table that was played, with its name in messages; `None`: the answer of `solve`.
+    pub applied: Option<(&'a Table, &'a str)>,
+}
+
+/// A step of learning.
+pub struct Step {
+    arm: Arm,
+    /// Quantity that the drives hold.
+    pub hold: Hold,
+    /// The table to play next.
+    pub next: Table,
+    /// Its numbers.
+    pub summary: LearnSummary,
+    /// Its warnings beside those of the solution.
+    pub warnings: Vec<Notice>,
 }
 
 /// The failure of a step that no table causes.
@@ -146,91 +176,145 @@ impl Learn {
         keep_files(&self.output, &files)?;
         let file = InputFile::read_toml(&self.link)?;
         let fit = self.from.as_deref().map(InputFile::read).transpose()?;
-        let changes = self.changes.overrides()?;
-        let document = LinkDocument::read(&file.shown, file.text()?)?;
-        let specification = document.specification(&file.shown, &changes)?;
-        let intervals = (&self.uncertain[..], fit.as_ref());
-        let (keys, _) = keys(&document, (&file, &changes), intervals, self.hold())?;
+        let options = &self.options;
+        let changes = options.changes.overrides()?;
+        let (plants, specification) = options.plants((&file, changes), fit.as_ref())?;
         let motion = InputFile::read(&self.motion)?;
-        let how = (&ReadArgs::default(), &self.resample, &self.scale);
-        let problem = Problem::read((&file, specification), &motion, how)?;
+        let read = ReadArgs::default();
+        let problem = Problem::read((&file, specification), &motion, options.motion(&read))?;
         let arm = &problem.specification.arm;
         let applied = self.applied.as_deref().map(InputFile::read).transpose()?;
-        let table = applied.as_ref().map(|file| self.table(file, arm)).transpose()?;
+        let table = applied.as_ref().map(|file| {
+            let (table, reading) = options.table(file, arm)?;
+            tell(&file.shown, &reading);
+            Ok::<_, Failure>(table)
+        });
+        let table = table.transpose()?;
         let measured = InputFile::read(&self.measured)?;
+        let (recording, reading) = options.recording(&measured, arm)?;
+        tell(&measured.shown, &reading);
         let stages = self.print.stages();
         let solved = problem.solve(|own| *own, memory::available(), &stages)?;
-        let solution = &solved.solution;
-        let own = Table::of(solution, self.hold());
-        let table = table.unwrap_or_else(|| own.clone());
-        self.refuse_saturated(&table, applied.as_ref(), &problem.specification)?;
-        let recorded = self.recorded(&measured, solution, &keys)?;
+        let played = applied.as_ref().map_or("solve", |file| &file.shown);
+        let trial = Trial {
+            shown: &measured.shown,
+            recording: &recording,
+            applied: table.as_ref().map(|table| (table, played)),
+        };
+        let step = options.step((&problem, &solved.solution), &plants, &trial, &stages)?;
+        drop(stages);
+        console::deliver_by(Some(&self.output), |out| step.write(out, options.digits))?;
+        let told = solved.tell();
+        console::warnings(step.warnings.iter().cloned());
+        let inputs = LearnInputs {
+            link: Some(Fingerprint::of(&file)),
+            motion: Some(Fingerprint::of(&motion)),
+            measured: Some(Fingerprint::of(&measured)),
+            applied: applied.as_ref().map(Fingerprint::of),
+            fit: fit.as_ref().map(Fingerprint::of),
+            arguments: options.arguments(),
+        };
+        let record = || step.record(&inputs, solved.warnings());
+        let output = shown_path(&self.output);
+        self.print.print(record, || learn_text(arm, &step.summary, played, &output))?;
+        self.warnings.refuse(told + step.warnings.len())
+    }
+}
+
+impl Step {
+    /// The record of the step, with these inputs and the warnings of the solution.
+    pub fn record(&self, inputs: &LearnInputs, of_solution: Vec<Notice>) -> String {
+        let warnings = [of_solution, self.warnings.clone()].concat();
+        record_json("learn", (self.arm.title(), inputs), &self.summary, &warnings)
+    }
+
+    /// Writes the table to play next.
+    pub fn write(&self, out: &mut (dyn Write + Send), digits: Digits) -> io::Result<()> {
+        write_next(out, &self.arm, (&self.next, self.hold), digits)
+    }
+}
+
+impl LearnOptions {
+    /// The plants of a link file with changes, and the specification of the file.
+    pub fn plants(
+        &self,
+        link: (&InputFile, Vec<Override>),
+        fit: Option<&InputFile>,
+    ) -> Result<(Plants, Specification), Failure> {
+        Plants::of(link, (&self.uncertain, fit), self.hold())
+    }
+
+    /// The options of the motion: those of reading are for the recording, and these for its file.
+    pub fn motion<'a>(&'a self, read: &'a ReadArgs) -> MotionArgs<'a> {
+        (read, &self.resample, &self.scale)
+    }
+
+    /// The next table after a trial on the link of a solution.
+    pub fn step(
+        &self,
+        (problem, solution): (&Problem, &Solution),
+        plants: &Plants,
+        trial: &Trial<'_>,
+        stages: &StageBar,
+    ) -> Result<Step, Failure> {
+        let Specification { arm, limits, .. } = &problem.specification;
+        let hold = self.hold();
+        let own = Table::of(solution, hold);
+        let (table, shown) = trial.applied.unwrap_or((&own, "solve"));
+        self.refuse_saturated((table, shown), &problem.specification)?;
+        let recorded = self.recorded(trial, solution, &plants.keys)?;
         stages.at("comparing plants");
-        let plants = Plants { document, name: file.shown.clone(), changes, keys: &keys };
-        let (band, count) = self.band(&problem, solution, &recorded, &plants)?;
+        let (band, count) = self.band(problem, solution, &recorded, plants)?;
         stages.at("correcting");
         let correction =
             Correction::of(solution, &recorded, &band).map_err(|error| not_learned(&error))?;
-        let corrected = Self::corrected(&problem, &correction, &stages)?;
-        let holds = self.hold() == Hold::Position || arm.has_weight();
-        let next = table.changed([&own, &Table::of(&corrected, self.hold())], holds);
-        let of_step = (&band, &correction);
+        let corrected = Self::corrected(problem, &correction, stages)?;
+        let holds = hold == Hold::Position || arm.has_weight();
+        let next = table.changed([&own, &Table::of(&corrected, hold)], holds);
         let summary = LearnSummary::of(
             (solution, &recorded, self.shift.unwrap_or(0.0)),
-            (&keys, count),
-            of_step,
-            (&next, self.hold()),
+            (&plants.keys, count),
+            (&band, &correction),
+            (&next, hold),
         );
-        drop(stages);
-        console::deliver_by(Some(&self.output), |out| {
-            write_next(out, arm, (&next, self.hold()), self.digits)
-        })?;
-        let inputs = LearnInputs {
-            link: Fingerprint::of(&file),
-            motion: Fingerprint::of(&motion),
-            measured: Fingerprint::of(&measured),
-            applied: applied.as_ref().map(Fingerprint::of),
-            fit: fit.as_ref().map(Fingerprint::of),
-            arguments: self.arguments(),
-        };
-        let played = applied.as_ref().map_or("solve", |file| &file.shown);
-        self.tell((&problem, &solved), (&summary, &inputs), &next, played)
+        let warnings = self.warnings_of(&next, limits, arm);
+        Ok(Step { arm: arm.clone(), hold, next, summary, warnings })
     }
 
-    fn hold(&self) -> Hold {
+    /// Quantity that the drives hold.
+    pub fn hold(&self) -> Hold {
         match self.holds {
             Holds::Position => Hold::Position,
             Holds::Effort => Hold::Effort,
         }
     }
 
-    /// The applied table.
-    fn table(&self, file: &InputFile, arm: &Arm) -> Result<Table, Failure> {
+    /// The applied table in a file.
+    pub fn table(&self, file: &InputFile, arm: &Arm) -> Result<(Table, Reading), Failure> {
         let InputFile { shown, bytes, .. } = file;
         let (joints, format) = (Joints::from(arm), TableFormat::default());
         if self.hold() == Hold::Position {
             let (found, reading) = read_joint_references(shown, bytes, joints, &format)?;
-            tell(shown, &reading);
-            let columns = |own: &crate::response::HubReference| {
-                let rate = own.rate_rad_s().map(<[f64]>::to_vec);
-                [own.angle_rad().to_vec()].into_iter().chain(rate).collect()
-            };
-            return Ok(Table {
-                grid: found[0].grid(),
-                joints: found.iter().map(columns).collect(),
-            });
+            return Ok((Table::of_positions(&found), reading));
         }
         let (found, reading) = read_joint_torques(shown, bytes, joints, &format)?;
-        tell(shown, &reading);
-        let columns = found.iter().map(|own| vec![own.torque_n_m().to_vec()]);
-        Ok(Table { grid: found[0].grid(), joints: columns.collect() })
+        Ok((Table::of_efforts(&found), reading))
+    }
+
+    /// The recording in a file.
+    pub fn recording(
+        &self,
+        file: &InputFile,
+        arm: &Arm,
+    ) -> Result<(ChannelRecording, Reading), Failure> {
+        let (joints, format) = (Joints::from(arm), self.read.format());
+        Ok(read_recording_as(&file.shown, &file.bytes, joints, &format)?)
     }
 
     /// Refuses an effort that the drive cannot have played.
     fn refuse_saturated(
         &self,
-        table: &Table,
-        file: Option<&InputFile>,
+        (table, place): (&Table, &str),
         Specification { arm, limits, .. }: &Specification,
     ) -> Result<(), Failure> {
         if self.hold() == Hold::Position {
@@ -245,7 +329,6 @@ impl Learn {
             let [value, time] = [value, table.grid.time_s(sample)].map(|own| significant(own, 6));
             let why =
                 if is_limit { "the limit of the link file" } else { "a plateau at its extremum" };
-            let place = file.map_or("solve", |file| &file.shown);
             let message = format!(
                 "{place}: {what} = {value} in {samples} rows from {time} s, {why}: it is saturated"
             );
@@ -258,18 +341,14 @@ impl Learn {
     /// The error of the recording.
     fn recorded(
         &self,
-        file: &InputFile,
+        Trial { shown, recording, .. }: &Trial<'_>,
         solution: &Solution,
         keys: &[Key],
     ) -> Result<Recorded, Failure> {
-        let joints = Joints::from(&solution.arm);
-        let (recording, reading) =
-            read_recording_as(&file.shown, &file.bytes, joints, &self.read.format())?;
-        tell(&file.shown, &reading);
-        let lags = keys.iter().filter(|key| key.how == crate::robust::How::Delay);
+        let lags = keys.iter().filter(|key| key.how == How::Delay);
         let lag_s = lags.map(|key| key.ends[1]).sum();
-        Recorded::of(solution, &recording, (self.shift, lag_s)).map_err(|error| {
-            let message = format!("{}: {error}", file.shown);
+        Recorded::of(solution, recording, (self.shift, lag_s)).map_err(|error| {
+            let message = format!("{shown}: {error}");
             Failure::new(Exit::InputRefused, &message, error.hint().as_deref())
         })
     }
@@ -280,7 +359,7 @@ impl Learn {
         problem: &Problem,
         solution: &Solution,
         recorded: &Recorded,
-        plants: &Plants<'_>,
+        plants: &Plants,
     ) -> Result<(Band, usize), Failure> {
         let refused = |error: LearnError| not_learned(&error);
         let Specification { arm, meshes, analysis, .. } = &problem.specification;
@@ -295,7 +374,7 @@ impl Learn {
         let kept = analysis.kept_modes();
         let nominal = Plant { arm, meshes, kept, delay_s: 0.0 };
         let nominal = responses(&nominal, self.hold(), at).map_err(refused)?;
-        let all = ends(plants.keys);
+        let all = plants.ends();
         let of_plant = |values: &Values| {
             let own = plants.with(values)?;
             let plant =
@@ -337,27 +416,8 @@ impl Learn {
         joints.filter(|_| self.hold() == Hold::Effort).filter_map(warning).collect()
     }
 
-    /// Prints warnings and the summary.
-    fn tell(
-        &self,
-        (problem, solved): (&Problem, &Solved),
-        (summary, inputs): (&LearnSummary, &LearnInputs),
-        next: &Table,
-        applied: &str,
-    ) -> Result<(), Failure> {
-        let Specification { arm, limits, .. } = &problem.specification;
-        let told = solved.tell();
-        let of_step = self.warnings_of(next, limits, arm);
-        console::warnings(of_step.iter().cloned());
-        let warnings = [solved.warnings(), of_step.clone()].concat();
-        let record = || record_json("learn", (arm.title(), inputs), summary, &warnings);
-        let output = shown_path(&self.output);
-        self.print.print(record, || learn_text(arm, summary, applied, &output))?;
-        self.warnings.refuse(told + of_step.len())
-    }
-
     /// The arguments, for the record.
-    fn arguments(&self) -> Vec<String> {
+    pub fn arguments(&self) -> Vec<String> {
         let uncertain = self.uncertain.iter().flat_map(|own| option("--uncertain", own.text()));
         let shift = self.shift.map(|shift_s| option("--shift", shift_s));
         let own = uncertain.chain(option("--play", self.hold().name()));

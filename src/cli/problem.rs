@@ -15,7 +15,7 @@ use crate::store::{Findings, OutputFolder, PlayedRun, RunInputs, RunOutputs, Run
 use crate::text::gigabytes;
 use crate::verify::{Answer, Verification, VerificationError, verify};
 
-use crate::cli::options::inputs::{ReadArgs, ResampleArgs, ScaleArgs, Wanted, tell};
+use crate::cli::options::inputs::{MotionArgs, Wanted, tell};
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
 /// Most memory in bytes of an inversion whose times are probably in another unit.
@@ -34,7 +34,7 @@ impl Problem {
     pub(crate) fn read(
         (file, specification): (&InputFile, Specification),
         motion_file: &InputFile,
-        (read, resample, scale): (&ReadArgs, &ResampleArgs, &ScaleArgs),
+        (read, resample, scale): MotionArgs<'_>,
     ) -> Result<Self, Failure> {
         let (wanted, reading) = resample.motion_of(motion_file, &specification.arm, read)?;
         tell(&motion_file.shown, &reading);
@@ -242,7 +242,7 @@ impl Solved {
     }
 
     /// The warnings of the solution, in the words of its first joint.
-    pub(crate) fn warnings(&self) -> Vec<Notice> {
+    pub fn warnings(&self) -> Vec<Notice> {
         let warnings = self.solution.warnings.iter();
         warnings.map(|own| Notice::from(own).worded(&self.solution.arm)).collect()
     }

@@ -173,6 +173,9 @@ pub fn are_read_alike(one: &Arm, other: &Arm) -> bool {
     read_by(one) == read_by(other)
 }
 
+/// Options that make a motion of a file or of arrays.
+pub type MotionArgs<'a> = (&'a ReadArgs, &'a ResampleArgs, &'a ScaleArgs);
+
 /// A length above 0 as written, and in m.
 #[derive(Debug, Clone)]
 struct Length {

@@ -1,6 +1,6 @@
 //! The input of a simulation, its feedback and its start, from files or arrays.
 
-use crate::link::Arm;
+use crate::link::{Arm, Drive, Link};
 use crate::response::{Feedback, HubReference, Input, Interpolation, Play, Start, State, Torque};
 use crate::result::TipPlaces;
 
@@ -11,6 +11,27 @@ use crate::cli::terminal::{Exit, Failure, memory};
 pub enum Moving {
     Torques(Vec<Torque>),
     Angles(Vec<HubReference>),
+}
+
+/// The link or the arm that moves under voltages: with the rotors of its motors.
+pub fn under_voltages(arm: &Arm) -> Result<Arm, Failure> {
+    arm.under_voltages().map_err(|error| {
+        let hint = "[drive] has torque_constant in N m/A and resistance in ohm";
+        Failure::new(Exit::InputRefused, &arm.worded(&error.to_string()), Some(hint))
+    })
+}
+
+/// The history of a voltage in V at these times, which [`of_motor`] makes a torque.
+pub fn voltage(times_s: &[f64], volts: Vec<f64>) -> Result<Torque, Failure> {
+    Torque::new(times_s, volts).map_err(|error| {
+        let message = error.to_string().replace("torque", "voltage");
+        Failure::new(Exit::InputRefused, &message, error.hint())
+    })
+}
+
+/// The torque of a link's motor at the held joint under a voltage.
+pub fn of_motor(link: &Link, volts: &Torque) -> Torque {
+    volts.scaled(link.drive().and_then(Drive::effort_per_volt).unwrap_or_default())
 }
 
 /// A play of a link or an arm from a call, and the wanted tip.

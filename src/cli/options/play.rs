@@ -10,7 +10,7 @@ use crate::csv::{
     read_torque_table_as,
 };
 use crate::fit::RecordedInput;
-use crate::link::{Arm, Drive, ParameterError};
+use crate::link::{Arm, ParameterError};
 use crate::numeric::TimeGrid;
 use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
@@ -18,7 +18,7 @@ use crate::store::{SimulateFiles, read_state};
 
 use super::common::{angle_rad, finite, metres, option};
 use super::inputs::{ReadArgs, tell, worded};
-use super::moves::{AtRest, Begins, Moves, Moving};
+use super::moves::{AtRest, Begins, Moves, Moving, of_motor, under_voltages, voltage};
 use crate::cli::terminal::{Exit, Failure, console};
 
 /// Quantity that moves the link: of a hub, or of a carriage.
@@ -299,15 +299,8 @@ impl MovingArgs {
         if !self.is_under_voltage() {
             return Ok(None);
         }
-        let moved = arm.under_voltages().map_err(|error| {
-            let message = format!("{}: {}", file.shown, arm.worded(&error.to_string()));
-            let hint = "[drive] has torque_constant in N m/A and resistance in ohm";
-            Failure::new(Exit::InputRefused, &message, Some(hint))
-        })?;
-        let torques = arm.links().iter().zip(volts).map(|(own, volts)| {
-            let per_volt = own.link.drive().and_then(Drive::effort_per_volt);
-            volts.scaled(per_volt.unwrap_or_default())
-        });
+        let moved = under_voltages(arm).map_err(|failure| failure.placed(&file.shown))?;
+        let torques = arm.links().iter().zip(volts).map(|(own, volts)| of_motor(&own.link, volts));
         Ok(Some((moved, Moving::Torques(torques.collect()))))
     }
 
@@ -359,11 +352,7 @@ impl MovingArgs {
                 Failure { hint: Some(hint.to_owned()), ..Failure::from(error) }
             })?;
             let times_s: Vec<f64> = (0..table.grid.len).map(|k| table.grid.time_s(k)).collect();
-            let volts = Torque::new(&times_s, table.input).map_err(|error| {
-                let message =
-                    format!("{shown}: {}", error.to_string().replace("torque", "voltage"));
-                Failure::new(Exit::InputRefused, &message, error.hint())
-            })?;
+            let volts = voltage(&times_s, table.input).map_err(|failure| failure.placed(shown))?;
             all.push((volts, table.reading));
         }
         let (volts, mut readings): (Vec<_>, Vec<_>) = all.into_iter().unzip();

@@ -10,7 +10,7 @@ use crate::robust::{Command, Help, Histories, Hold, How, Measure, Robustness, St
 use crate::spec::Specification;
 use crate::text::significant;
 
-use super::{Plants, Played, Robust};
+use super::{Plants, Played, RobustOptions};
 use crate::cli::problem::Problem;
 use crate::cli::terminal::memory;
 
@@ -26,13 +26,13 @@ const QUIET: f64 = 0.2;
 
 /// A study whose command is to be compared with others.
 struct Compared<'a> {
-    robust: &'a Robust,
+    options: &'a RobustOptions,
     problem: &'a Problem,
-    plants: &'a Plants<'a>,
+    plants: &'a Plants,
     corners: Vec<&'a [Option<f64>]>,
 }
 
-impl Robust {
+impl RobustOptions {
     /// Plays other commands on the keys and corners with the largest tip errors. A command that cannot be made
     /// or played is left out.
     pub(super) fn help(
@@ -40,14 +40,14 @@ impl Robust {
         problem: &Problem,
         solution: &Solution,
         outcome: &Robustness,
-        plants: &Plants<'_>,
+        plants: &Plants,
     ) -> Vec<Help> {
         // A delay has no meaning for another hold.
         if plants.keys.iter().any(|key| key.how == How::Delay) {
             return Vec::new();
         }
         let compared =
-            Compared { robust: self, problem, plants, corners: outcome.hardest(CORNERS) };
+            Compared { options: self, problem, plants, corners: outcome.hardest(CORNERS) };
         let holds = [Hold::Position, Hold::Effort].into_iter();
         let holds = holds.filter(|hold| *hold != self.hold());
         let mut help: Vec<Help> = holds
@@ -120,11 +120,11 @@ impl Compared<'_> {
     ) -> Option<Help> {
         let Specification { arm, meshes, .. } = &self.problem.specification;
         let how = (hold, Thinned::Yes);
-        let command: Command = self.robust.command(self.problem, solution, histories, how).ok()?;
+        let command: Command = self.options.command(self.problem, solution, histories, how).ok()?;
         let command = command.refined(arm, meshes).ok()?;
         let end_s = command.end_s;
         let nominal = command.plant((arm, meshes), (0.0, 1.0, end_s), &[]).ok()?;
-        let is_exact = self.robust.played == Played::Inverse;
+        let is_exact = self.options.played == Played::Inverse;
         let command = if is_exact { command.less(nominal.error_m) } else { command };
         let of_corner = |values: &&[Option<f64>]| {
             let own = self.plants.with(values).ok()?;

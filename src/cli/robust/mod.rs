@@ -21,13 +21,17 @@ use crate::robust::{
     corners,
 };
 use crate::spec::{LinkDocument, Override, SpecError, Specification, Uncertain};
-use crate::store::{Fingerprint, RobustInputs, read_fitted, record_json, write_robust};
+use crate::store::{
+    Fingerprint, FolderError, OutputFolder, RobustInputs, read_fitted, record_json, write_robust,
+};
 use crate::text::{shown_path, significant};
 
 use super::problem::Problem;
 use super::simulate::refusal;
 use crate::cli::options::common::{SyncArgs, digits_arguments, option};
-use crate::cli::options::inputs::{ChangeArgs, LINK, MOTION, ReadArgs, ResampleArgs, ScaleArgs};
+use crate::cli::options::inputs::{
+    ChangeArgs, LINK, MOTION, MotionArgs, ReadArgs, ResampleArgs, ScaleArgs,
+};
 use crate::cli::options::play::{Gains, gains};
 use crate::cli::terminal::files::{keep, read_once};
 use crate::cli::terminal::text::robust_text;
@@ -134,6 +138,38 @@ pub(crate) struct Robust {
     motion: PathBuf,
 
     #[command(flatten)]
+    options: RobustOptions,
+
+    /// Fail with exit code 4 if the tip error exceeds --allow, or a plant a limit of the link file; all files
+    /// are written.
+    #[arg(long)]
+    strict: bool,
+
+    /// Record of a fit, NAME.json beside the fitted LINK: its values vary with their covariance.
+    #[arg(long, value_name = "FIT")]
+    from: Option<PathBuf>,
+
+    /// Folder for the results.
+    #[arg(short, long, value_name = "DIR", default_value = "robust")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    sync: SyncArgs,
+
+    #[command(flatten)]
+    print: PrintArgs,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+/// The options that shape a study beside its files; a run records them.
+#[derive(Debug, Args)]
+pub struct RobustOptions {
+    #[command(flatten)]
     changes: ChangeArgs,
 
     /// Interval of a value: KEY=±SHARE%, KEY=±AMOUNT, KEY=LOW..HIGH, or KEY*=LOW..HIGH for factors;
@@ -177,40 +213,15 @@ pub(crate) struct Robust {
     #[arg(long, value_name = "AMOUNT", value_parser = amount)]
     allow: Option<Amount>,
 
-    /// Fail with exit code 4 if the tip error exceeds --allow, or a plant a limit of the link file; all files
-    /// are written.
-    #[arg(long)]
-    strict: bool,
-
-    /// Record of a fit, NAME.json beside the fitted LINK: its values vary with their covariance.
-    #[arg(long, value_name = "FIT")]
-    from: Option<PathBuf>,
-
-    /// Folder for the results.
-    #[arg(short, long, value_name = "DIR", default_value = "robust")]
-    output: PathBuf,
-
     /// Digits: the last one is 10^-N of a column's peak, or `full`.
     #[arg(long, value_name = "N", default_value = "10")]
-    digits: Digits,
-
-    #[command(flatten)]
-    sync: SyncArgs,
+    pub digits: Digits,
 
     #[command(flatten)]
     resample: ResampleArgs,
 
     #[command(flatten)]
     scale: ScaleArgs,
-
-    #[command(flatten)]
-    print: PrintArgs,
-
-    #[command(flatten)]
-    warnings: WarningArgs,
-
-    #[command(flatten)]
-    threads: ThreadArgs,
 
     #[command(flatten)]
     read: ReadArgs,
@@ -239,16 +250,52 @@ impl Amount {
 }
 
 /// The link file with its changes, from which plants are made.
-pub(in crate::cli) struct Plants<'a> {
-    pub(in crate::cli) document: LinkDocument,
-    pub(in crate::cli) name: String,
-    pub(in crate::cli) changes: Vec<Override>,
-    pub(in crate::cli) keys: &'a [Key],
+pub struct Plants {
+    document: LinkDocument,
+    name: String,
+    changes: Vec<Override>,
+    /// The values that differ.
+    pub(super) keys: Vec<Key>,
+    /// Those that a fit found.
+    fitted: Option<Fitted>,
 }
 
-impl Plants<'_> {
+impl Plants {
+    /// The plants of a link file with changes, and the specification of the file. Their keys are those of the options, or else
+    /// of the file, and those of a fit; at least one.
+    pub fn of(
+        link: (&InputFile, Vec<Override>),
+        intervals: (&[Uncertain], Option<&InputFile>),
+        hold: Hold,
+    ) -> Result<(Self, Specification), Failure> {
+        let found = Self::of_any(link, intervals, hold)?;
+        if found.0.keys.is_empty() {
+            let message = "nothing is uncertain: --uncertain is missing, and the link file has no [uncertainty]";
+            let hint = "say how well a value is known: --uncertain 'segments.*.EI*=±5%'";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        }
+        Ok(found)
+    }
+
+    /// The same with any number of keys.
+    pub(in crate::cli) fn of_any(
+        (link, changes): (&InputFile, Vec<Override>),
+        (uncertain, fit): (&[Uncertain], Option<&InputFile>),
+        hold: Hold,
+    ) -> Result<(Self, Specification), Failure> {
+        let document = LinkDocument::read(&link.shown, link.text()?)?;
+        let specification = document.specification(&link.shown, &changes)?;
+        let (keys, fitted) = keys(&document, (link, &changes), (uncertain, fit), hold)?;
+        Ok((Self { document, name: link.shown.clone(), changes, keys, fitted }, specification))
+    }
+
     /// The file with these values of the keys.
     pub(in crate::cli) fn with(&self, values: &[Option<f64>]) -> Result<Specification, Failure> {
+        let delay_s = self.delay_s(values);
+        if delay_s < 0.0 {
+            let message = format!("delay = {delay_s} s, but must be 0 or above");
+            return Err(Failure::new(Exit::InputRefused, &message, None));
+        }
         let mut changes = self.changes.clone();
         for (key, value) in self.keys.iter().zip(values) {
             if let Some(change) = value.and_then(|value| key.change(value)) {
@@ -257,6 +304,23 @@ impl Plants<'_> {
             }
         }
         self.document.specification(&self.name, &changes).map_err(|error| refused(&error))
+    }
+
+    /// The ends of each key alone, and the corners; none without keys.
+    pub(in crate::cli) fn ends(&self) -> Vec<Values> {
+        let keys = &self.keys;
+        if keys.is_empty() {
+            return Vec::new();
+        }
+        let alone = (0..keys.len()).flat_map(|number| {
+            keys[number].ends.map(|end| {
+                let mut values = vec![None; keys.len()];
+                values[number] = Some(end);
+                values
+            })
+        });
+        let candidates: Vec<Vec<f64>> = keys.iter().map(|key| key.ends.to_vec()).collect();
+        alone.chain(corners(&candidates, &[vec![1; keys.len()]])).collect()
     }
 
     /// The delay of the drives in s.
@@ -290,24 +354,112 @@ impl Robust {
         keep(&self.output, &files)?;
         let file = InputFile::read_toml(&self.link)?;
         let fit = self.from.as_deref().map(InputFile::read).transpose()?;
-        let changes = self.changes.overrides()?;
-        let document = LinkDocument::read(&file.shown, file.text()?)?;
-        let specification = document.specification(&file.shown, &changes)?;
-        let (keys, fitted) =
-            keys(&document, (&file, &changes), (&self.uncertain, fit.as_ref()), self.hold())?;
+        let options = &self.options;
+        let changes = options.changes.overrides()?;
+        let (plants, specification) = options.plants((&file, changes), fit.as_ref())?;
         let motion = InputFile::read(&self.motion)?;
-        let how = (&self.read, &self.resample, &self.scale);
-        let problem = Problem::read((&file, specification), &motion, how)?;
+        let problem = Problem::read((&file, specification), &motion, options.into())?;
         let stages = self.print.stages();
         let solved = problem.solve(Analysis::clone, memory::available(), &stages)?;
-        let plants = Plants { document, name: file.shown.clone(), changes, keys: &keys };
         stages.at("playing plants");
-        let plays = self.plays(&problem, &solved.solution)?;
+        let studied = options.study((&problem, &solved.solution), &plants)?;
+        drop(stages);
+        let told = solved.tell();
+        console::warnings(studied.warnings.iter().cloned());
+        let inputs = RobustInputs {
+            link: Some(Fingerprint::of(&file)),
+            motion: Some(Fingerprint::of(&motion)),
+            fit: fit.as_ref().map(Fingerprint::of),
+            arguments: options.arguments(),
+        };
+        let record = studied.record(&inputs, solved.warnings());
+        studied.write(self.sync.stage(&self.output)?, &record, options.digits)?;
+        let kinds: Vec<PlantKind> = studied.outcome.plants.iter().map(|own| own.kind).collect();
+        let written = || format!("3 files in {}", shown_path(&self.output));
+        let (arm, summary) = (&problem.specification.arm, &studied.summary);
+        self.print.print(|| record.clone(), || robust_text(arm, summary, &kinds, written()))?;
+        self.judge(summary)?;
+        self.warnings.refuse(told + studied.warnings.len())
+    }
+
+    /// Ends with exit code 4 under --strict if the tip error exceeds --allow, or a limit is exceeded.
+    fn judge(&self, summary: &RobustSummary) -> Result<(), Failure> {
+        if !self.strict {
+            return Ok(());
+        }
+        let beyond = self.options.beyond(summary);
+        if beyond.is_some() {
+            let message = "--strict: the tip error exceeds --allow; all files are written";
+            return Err(Failure::new(Exit::NotSolvable, &message, None));
+        }
+        if summary.over_limits.iter().any(|own| own.share > 0.0) {
+            let message = "--strict: drawn plants exceed a limit; all files are written";
+            return Err(Failure::new(Exit::NotSolvable, &message, None));
+        }
+        Ok(())
+    }
+}
+
+/// A study that is done.
+pub struct Studied {
+    title: String,
+    /// All plants.
+    pub outcome: Robustness,
+    /// Its numbers.
+    pub summary: RobustSummary,
+    /// Times of the envelope in s.
+    pub times_s: Vec<f64>,
+    /// Its warnings beside those of the solution.
+    pub warnings: Vec<Notice>,
+}
+
+impl Studied {
+    /// The content of summary.json, with these inputs and the warnings of the solution.
+    pub fn record(&self, inputs: &RobustInputs, of_solution: Vec<Notice>) -> String {
+        let warnings = [of_solution, self.warnings.clone()].concat();
+        record_json("robust", (&self.title, inputs), &self.summary, &warnings)
+    }
+
+    /// Writes the files of the study, with its record.
+    pub fn write(
+        &self,
+        folder: OutputFolder,
+        record: &str,
+        digits: Digits,
+    ) -> Result<(), FolderError> {
+        write_robust(folder, (record, &self.summary), (&self.outcome, &self.times_s), digits)
+    }
+}
+
+impl<'a> From<&'a RobustOptions> for MotionArgs<'a> {
+    fn from(options: &'a RobustOptions) -> Self {
+        (&options.read, &options.resample, &options.scale)
+    }
+}
+
+impl RobustOptions {
+    /// The plants of a link file with changes, and the specification of the file.
+    pub fn plants(
+        &self,
+        link: (&InputFile, Vec<Override>),
+        fit: Option<&InputFile>,
+    ) -> Result<(Plants, Specification), Failure> {
+        Plants::of(link, (&self.uncertain, fit), self.hold())
+    }
+
+    /// Plays the command of a solution on all plants.
+    pub fn study(
+        &self,
+        (problem, solution): (&Problem, &Solution),
+        plants: &Plants,
+    ) -> Result<Studied, Failure> {
+        let plays = self.plays(problem, solution)?;
         let distribution = self.distribution.into();
+        let fitted = plants.fitted.clone();
         let sample = Sample { runs: self.runs, seed: self.seed, distribution, fitted };
-        let outcome = plays.study(&problem, &plants, &sample)?;
-        let errors = plays.errors(&outcome, &plants)?;
-        let help = self.help(&problem, &solved.solution, &outcome, &plants);
+        let outcome = plays.study(problem, plants, &sample)?;
+        let errors = plays.errors(&outcome, plants)?;
+        let help = self.help(problem, solution, &outcome, plants);
         let summary = RobustSummary::of(
             &outcome,
             &plays.quick,
@@ -315,30 +467,14 @@ impl Robust {
             (sample, plays.band_m),
             (errors, help),
         );
-        let mut warnings = solved.warnings();
-        let of_study = self.warnings_of(&summary, &problem.specification.limits);
-        drop(stages);
-        let told = solved.tell();
-        console::warnings(of_study.iter().cloned());
-        warnings.extend(of_study.iter().cloned());
-        let title = problem.specification.arm.title();
-        let inputs = RobustInputs {
-            link: Fingerprint::of(&file),
-            motion: Fingerprint::of(&motion),
-            fit: fit.as_ref().map(Fingerprint::of),
-            arguments: self.arguments(),
-        };
-        let record = record_json("robust", (title, &inputs), &summary, &warnings);
         let times = 0..outcome.envelope_m[0].len();
-        let times_s: Vec<f64> = times.map(|k| plays.quick.time_s(k)).collect();
-        let folder = self.sync.stage(&self.output)?;
-        write_robust(folder, (&record, &summary), (&outcome, &times_s), self.digits)?;
-        let kinds: Vec<PlantKind> = outcome.plants.iter().map(|plant| plant.kind).collect();
-        let written = || format!("3 files in {}", shown_path(&self.output));
-        let arm = &problem.specification.arm;
-        self.print.print(|| record.clone(), || robust_text(arm, &summary, &kinds, written()))?;
-        self.judge(&summary)?;
-        self.warnings.refuse(told + of_study.len())
+        Ok(Studied {
+            title: problem.specification.arm.title().to_owned(),
+            times_s: times.map(|k| plays.quick.time_s(k)).collect(),
+            warnings: self.warnings_of(&summary, &problem.specification.limits),
+            outcome,
+            summary,
+        })
     }
 
     fn hold(&self) -> Hold {
@@ -447,25 +583,8 @@ impl Robust {
         (found_m > allowed_m).then_some((found_m, allowed_m))
     }
 
-    /// Ends with exit code 4 under --strict if the tip error exceeds --allow, or a limit is exceeded.
-    fn judge(&self, summary: &RobustSummary) -> Result<(), Failure> {
-        if !self.strict {
-            return Ok(());
-        }
-        let beyond = self.beyond(summary);
-        if beyond.is_some() {
-            let message = "--strict: the tip error exceeds --allow; all files are written";
-            return Err(Failure::new(Exit::NotSolvable, &message, None));
-        }
-        if summary.over_limits.iter().any(|own| own.share > 0.0) {
-            let message = "--strict: drawn plants exceed a limit; all files are written";
-            return Err(Failure::new(Exit::NotSolvable, &message, None));
-        }
-        Ok(())
-    }
-
     /// The arguments, for the record.
-    fn arguments(&self) -> Vec<String> {
+    pub fn arguments(&self) -> Vec<String> {
         let uncertain = self.uncertain.iter().flat_map(|own| option("--uncertain", own.text()));
         let gains = self.feedback.iter().flat_map(|pairs| {
             let pairs: Vec<String> = pairs.iter().map(|(kp, kd)| format!("{kp},{kd}")).collect();
@@ -513,34 +632,21 @@ impl Robust {
     }
 }
 
-/// The keys of the options, or else of the link file, and those of a fit; at least one.
-pub(super) fn keys(
-    document: &LinkDocument,
-    files: (&InputFile, &[Override]),
-    of: (&[Uncertain], Option<&InputFile>),
-    hold: Hold,
-) -> Result<(Vec<Key>, Option<Fitted>), Failure> {
-    let found = intervals(document, files, of, hold)?;
-    if found.0.is_empty() {
-        let message =
-            "nothing is uncertain: --uncertain is missing, and the link file has no [uncertainty]";
-        let hint = "say how well a value is known: --uncertain 'segments.*.EI*=±5%'";
-        return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-    }
-    Ok(found)
-}
-
 /// The keys of the options, or else of the link file, and those of a fit.
-pub(in crate::cli) fn intervals(
+fn keys(
     document: &LinkDocument,
     (link, changes): (&InputFile, &[Override]),
     (uncertain, fit): (&[Uncertain], Option<&InputFile>),
     hold: Hold,
 ) -> Result<(Vec<Key>, Option<Fitted>), Failure> {
-    let of_file = document.uncertainties(&link.shown).map_err(|error| refused(&error))?;
-    let is_given = !uncertain.is_empty() || fit.is_some();
-    let all = if is_given { uncertain } else { &of_file };
-    if let Some(own) = all.iter().find(|own| own.is_delay() && hold != Hold::Position) {
+    let mut all = uncertain.to_vec();
+    if uncertain.is_empty() && fit.is_none() {
+        all = document.uncertainties(&link.shown).map_err(|error| refused(&error))?;
+        if hold != Hold::Position && all.iter().any(Uncertain::is_delay) {
+            all.retain(|own| !own.is_delay());
+            console::note("the delay of [uncertainty] counts with --play position alone");
+        }
+    } else if let Some(own) = all.iter().find(|own| own.is_delay() && hold != Hold::Position) {
         let message = format!("{own}: is for --play position: a delayed torque is another command");
         return Err(Failure::new(Exit::Usage, &message, None));
     }
@@ -555,20 +661,13 @@ pub(in crate::cli) fn intervals(
             Some(Fitted { first, ..fitted })
         }
     };
+    if let Some(two) = document.overlapping(&keys, changes) {
+        let [one, other] = two.map(|number| keys[number].heading());
+        let message = format!("{one} and {other} are intervals of one value");
+        let hint = "state each value once: an interval of --uncertain, or that of the fit";
+        return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+    }
     Ok((keys, fitted))
-}
-
-/// The ends of each key alone, and the corners.
-pub(in crate::cli) fn ends(keys: &[Key]) -> Vec<Values> {
-    let alone = (0..keys.len()).flat_map(|number| {
-        keys[number].ends.map(|end| {
-            let mut values = vec![None; keys.len()];
-            values[number] = Some(end);
-            values
-        })
-    });
-    let candidates: Vec<Vec<f64>> = keys.iter().map(|key| key.ends.to_vec()).collect();
-    alone.chain(corners(&candidates, &[vec![1; keys.len()]])).collect()
 }
 
 fn command_refused(error: &CommandError) -> Failure {
@@ -585,7 +684,7 @@ impl Plays {
     fn study(
         &self,
         problem: &Problem,
-        plants: &Plants<'_>,
+        plants: &Plants,
         sample: &Sample,
     ) -> Result<Robustness, Failure> {
         let limits = &problem.specification.limits;
@@ -597,11 +696,11 @@ impl Plays {
             played.map_err(|error| PlantError::Failed(not_played(&error, &own.arm)))
         };
         let travel_m = self.quick.travel_m;
-        Study { keys: plants.keys, sample, travel_m, play }.run()
+        Study { keys: &plants.keys, sample, travel_m, play }.run()
     }
 
     /// The change of the tip errors of the nominal and the worst plant in a whole simulation.
-    fn errors(&self, outcome: &Robustness, plants: &Plants<'_>) -> Result<PlayErrors, Failure> {
+    fn errors(&self, outcome: &Robustness, plants: &Plants) -> Result<PlayErrors, Failure> {
         let mut play_m: f64 = 0.0;
         // The nominal plant under the exact inverse is that whose error is taken off.
         let first = usize::from(self.common_m > 0.0);

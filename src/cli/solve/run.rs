@@ -12,8 +12,9 @@ use crate::store::{Durability, OutputFolder, RunInputs, RunOutputs, RunTables, S
 use crate::verify::Verification;
 
 use crate::cli::options::common::{NodeArgs, digits_arguments};
-use crate::cli::options::inputs::ReadArgs;
-use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, specification};
+use crate::cli::options::inputs::{
+    ChangeArgs, MotionArgs, ReadArgs, ResampleArgs, ScaleArgs, specification,
+};
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::text::memory_text;
 use crate::cli::terminal::{Failure, StageBar, console, memory};
@@ -65,6 +66,12 @@ pub struct SolveOptions {
 pub(super) struct Recorded {
     #[command(flatten)]
     options: SolveOptions,
+}
+
+impl<'a> From<&'a SolveOptions> for MotionArgs<'a> {
+    fn from(options: &'a SolveOptions) -> Self {
+        (&options.read, &options.resample, &options.scale)
+    }
 }
 
 impl SolveOptions {
@@ -151,8 +158,7 @@ impl<'a> Run<'a> {
         let changes = options.changes.overrides()?;
         let specification = options.nodes.meshed(specification(&link_file, &changes)?)?;
         let motion_file = motion_file()?;
-        let how = (&options.read, &options.resample, &options.scale);
-        let problem = Problem::read((&link_file, specification), &motion_file, how)?;
+        let problem = Problem::read((&link_file, specification), &motion_file, options.into())?;
         Ok(Self { options, link_file, motion_file, problem })
     }
 

@@ -180,7 +180,7 @@ pub fn deliver_all(files: &[NewFile]) -> Result<(), Failure> {
 }
 
 /// Like [`deliver`], for bytes that `write` makes while they are written.
-pub(crate) fn deliver_by(
+pub fn deliver_by(
     output: Option<&Path>,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> Result<(), Failure> {

@@ -53,6 +53,12 @@ impl Failure {
         let hint = hint.map(str::to_owned);
         Self { exit, message: message.to_string(), hint, is_of_memory: false }
     }
+
+    /// The failure with the name of its file before the message.
+    #[must_use]
+    pub fn placed(self, file: &str) -> Self {
+        Self { message: format!("{file}: {}", self.message), ..self }
+    }
 }
 
 /// How a run with warnings ends.

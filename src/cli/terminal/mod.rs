@@ -11,4 +11,5 @@ pub(crate) mod text;
 
 pub use exit::{Ending, Exit, Failure, WarningArgs};
 pub(crate) use memory::ThreadArgs;
-pub(crate) use progress::{CaseBar, PrintArgs, StageBar};
+pub use progress::StageBar;
+pub(crate) use progress::{CaseBar, PrintArgs};

@@ -110,7 +110,7 @@ fn style(template: &str) -> ProgressStyle {
 }
 
 /// The stages of one run.
-pub(crate) struct StageBar {
+pub struct StageBar {
     bar: ProgressBar,
     /// True if lines above the bar are suppressed, too.
     is_hidden: bool,
@@ -141,7 +141,7 @@ impl StageBar {
     }
 
     /// Shows nothing.
-    pub(crate) fn hidden() -> Self {
+    pub fn hidden() -> Self {
         let (bar, is_writing) = (ProgressBar::hidden(), AtomicBool::new(false));
         Self { bar, is_hidden: true, is_writing, delay: None }
     }

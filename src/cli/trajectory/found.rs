@@ -43,8 +43,22 @@ pub struct Found {
     pub(super) steps: usize,
     /// Comment for the first line of the file.
     pub(super) comment: String,
-    /// Number of printed warnings.
-    pub(super) warnings: usize,
+    /// Notes on duration, shape and torque.
+    pub notes: Vec<String>,
+    /// Warnings of the solution, and of limits.
+    pub warnings: Vec<Notice>,
+    pub(super) remarks: Vec<Notice>,
+}
+
+impl Found {
+    /// Prints notes, warnings and remarks.
+    pub(super) fn tell(&self) {
+        for note in &self.notes {
+            console::note(note);
+        }
+        console::warnings(self.warnings.iter().cloned());
+        console::remarks(self.remarks.iter().cloned());
+    }
 }
 
 /// Subject of limits.
@@ -65,7 +79,7 @@ pub(super) struct Search {
 }
 
 impl Search {
-    /// Profile and duration of a motion. Prints both, and the torque of a cycle.
+    /// Profile and duration of a motion, with notes on both and on the torque of a cycle.
     pub(super) fn found(
         &self,
         along: Along,
@@ -86,26 +100,25 @@ impl Search {
         let metrics = Metrics::of(&solution);
         if is_cycle {
             let cycle_s = plain(self.time_s(solution.grid.len));
-            console::note(&solution.arm.joint().worded(&cycle_text(&cycle_s, &metrics)));
+            found.notes.push(solution.arm.joint().worded(&cycle_text(&cycle_s, &metrics)));
         }
         if let Some(shape) = &self.shape {
             let own = solution.motion.grid();
             let steps = own.len - usize::from(!is_cycle);
             let times_s = (self.time_s(found.steps), self.time_s(steps));
             let text = shape.text(found.law.profile(), times_s);
-            console::note(&text);
             found.comment = format!("# {text}\n{}", found.comment);
+            found.notes.push(text);
             let of_torque = timing_text(&metrics, solution.arm.pick(false, true));
             if let Some(text) = of_torque {
-                console::note(&solution.arm.joint().worded(&text));
+                found.notes.push(solution.arm.joint().worded(&text));
             }
         }
         let worded = |own: Notice| own.worded(&solution.arm);
-        console::warnings(solution.warnings.iter().map(|own| worded(own.into())));
-        console::remarks(Remark::on_jumps(&solution).map(|own| worded(own.into())));
-        let exceeded = metrics.exceeded(&arm.limits);
-        console::warnings(exceeded.iter().map(|own| worded(own.into())));
-        Ok(Found { warnings: solution.warnings.len() + exceeded.len(), ..found })
+        found.warnings.extend(solution.warnings.iter().map(|own| worded(own.into())));
+        found.warnings.extend(metrics.exceeded(&arm.limits).iter().map(|own| worded(own.into())));
+        found.remarks.extend(Remark::on_jumps(&solution).map(|own| worded(Notice::from(&own))));
+        Ok(found)
     }
 
     /// Profile and duration of the command line.
@@ -117,7 +130,18 @@ impl Search {
         };
         // Checked options have a duration unless there is a link.
         let steps = self.steps.unwrap_or_default();
-        Ok(Found { law: self.law(profile), steps, comment: String::new(), warnings: 0 })
+        Ok(self.with(profile, steps, (String::new(), Vec::new())))
+    }
+
+    /// A profile and its steps, before its solution.
+    fn with(
+        &self,
+        profile: Profile,
+        steps: usize,
+        (comment, notes): (String, Vec<String>),
+    ) -> Found {
+        let (law, warnings, remarks) = (self.law(profile), Vec::new(), Vec::new());
+        Found { law, steps, comment, notes, warnings, remarks }
     }
 
     /// A profile, shaped.
@@ -174,7 +198,8 @@ impl Search {
         if !is_quiet {
             refuse_no_limit(limits)?;
         }
-        let found = self.searched(|profile| {
+        let mut notes = Vec::new();
+        let found = self.searched(&mut notes, |profile| {
             let (law, durations) = (self.law(profile), self.quiet(profile));
             let (step_s, durations) = (self.step_s, durations.as_deref());
             let motion = OpenMotion { law: &law, along, step_s, durations };
@@ -192,14 +217,17 @@ impl Search {
             _ => "",
         };
         let warnings = kinds(&fit.solution).len();
-        let found = self.told(profile, (&fit, warnings, of), &values);
+        let (note, comment) = self.told(profile, (&fit, warnings, of), &values);
+        notes.push(note);
+        let found = self.with(profile, fit.steps, (comment, notes));
         Ok((found, fit.solution))
     }
 
-    /// The fit of the profile, or of the best profile, after a note on each duration. The best is the shortest
+    /// The fit of the profile, or of the best profile, with a note on each duration. The best is the shortest
     /// whose solution has no warning; of equally short ones it is the one farthest from its limit.
     fn searched(
         &self,
+        told: &mut Vec<String>,
         fit: impl Fn(Profile) -> Result<Fit, FitError>,
     ) -> Result<(Profile, Fit), Failure> {
         let stages = StageBar::new();
@@ -235,39 +263,39 @@ impl Search {
         }
         drop(stages);
         notes.sort_by_key(|(rank, _)| *rank);
-        notes.iter().map(|(_, note)| note).chain(&refused).for_each(|note| console::note(note));
+        told.extend(notes.into_iter().map(|(_, note)| note).chain(refused));
         match (best, last) {
             (Some((_, profile, fit)), _) => Ok((profile, fit)),
-            (None, Some(error)) => Err(error.into()),
+            (None, Some(error)) => {
+                for note in &*told {
+                    console::note(note);
+                }
+                Err(error.into())
+            }
             (None, None) => Err(Failure::new(Exit::Usage, &"there is no profile", None)),
         }
     }
 
-    /// Prints the duration, and its binding limit.
+    /// A note on the duration and its binding limit, and the comment of the file.
     fn told(
         &self,
         profile: Profile,
         (fit, warnings, of): (&Fit, usize, &str),
         values: &[LimitedValue],
-    ) -> Found {
+    ) -> (String, String) {
         let duration_s = plain(self.time_s(fit.steps));
         let is_quiet = self.quiet(profile).is_some();
         let found = format!("{duration_s} s{of}, {}", found_text(fit, values, is_quiet));
-        match self.profile {
+        let note = match self.profile {
             Choice::Best if warnings == 0 => {
-                console::note(&format!("the best without a warning or jump is {profile}: {found}"));
+                format!("the best without a warning or jump is {profile}: {found}")
             }
             Choice::Best => {
-                console::note(&format!(
-                    "every profile warns or jumps; the shortest is {profile}: {found}"
-                ));
+                format!("every profile warns or jumps; the shortest is {profile}: {found}")
             }
-            Choice::Profile(_) => {
-                console::note(&format!("{found}{}", self.binding_text(profile, fit)));
-            }
-        }
-        let comment = format!("# {profile}: {found}\n");
-        Found { law: self.law(profile), steps: fit.steps, comment, warnings: 0 }
+            Choice::Profile(_) => format!("{found}{}", self.binding_text(profile, fit)),
+        };
+        (note, format!("# {profile}: {found}\n"))
     }
 
     /// The limit that binds; of quiet durations none does.

@@ -9,18 +9,19 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use self::found::{Choice, Found, Limited, Search, limits, not_made, profiles};
+pub use self::found::Found;
+use self::found::{Choice, Limited, Search, limits, not_made, profiles};
 use self::path::{PathArgs, Travel, reached, refused, travel};
 use self::shape::ShapeArgs;
 use crate::cli::options::common::seconds;
 use crate::cli::options::inputs::{ChangeArgs, specification};
-use crate::cli::robust::{Plants, ends, intervals};
+use crate::cli::robust::Plants;
 use crate::cli::terminal::{Exit, Failure, WarningArgs, console, memory};
 use crate::csv::{Digits, InputFile, write_path, write_trajectory};
 use crate::motion::{Course, Curve, MotionColumns, PathColumns};
 use crate::result::Along;
 use crate::robust::Hold;
-use crate::spec::{LinkDocument, Specification};
+use crate::spec::Specification;
 use crate::text::{given, plain};
 
 /// Distances in m and steps in s that keep all samples finite and not 0.
@@ -195,19 +196,9 @@ impl Trajectory {
             return Ok(Vec::new());
         };
         let file = InputFile::read_toml(link)?;
-        let changes = self.changes.overrides()?;
-        let document = LinkDocument::read(&file.shown, file.text()?)?;
-        let (keys, _) = intervals(
-            &document,
-            (&file, &changes),
-            (self.shape.uncertain(), None),
-            Hold::Position,
-        )?;
-        if keys.is_empty() {
-            return Ok(Vec::new());
-        }
-        let plants = Plants { document, name: file.shown.clone(), changes, keys: &keys };
-        ends(&keys).iter().map(|values| plants.with(values)).collect()
+        let own = (&file, self.changes.overrides()?);
+        let (plants, _) = Plants::of_any(own, (self.shape.uncertain(), None), Hold::Position)?;
+        plants.ends().iter().map(|values| plants.with(values)).collect()
     }
 
     /// The curve of --path; `None` without it. Checks the options that every motion has.
@@ -221,25 +212,27 @@ impl Trajectory {
 
     /// Writes the motion of a link's tip.
     fn write_motion(&self) -> Result<(), Failure> {
-        let (columns, Found { comment, warnings, .. }) = self.motion()?;
+        let (columns, found) = self.motion()?;
+        found.tell();
         console::deliver_by(self.output.as_deref(), |mut out| {
-            out.write_all(comment.as_bytes())?;
+            out.write_all(found.comment.as_bytes())?;
             write_trajectory(&mut out, &columns, self.digits)
         })?;
-        self.warnings.refuse(warnings)
+        self.warnings.refuse(found.warnings.len())
     }
 
     /// Writes the path of an arm's tip along a curve, unless it is out of the arm's reach.
     fn write_path(&self, curve: &Curve) -> Result<(), Failure> {
         let arm = self.arm()?;
-        let (columns, Found { comment, warnings, .. }) = self.path_along(curve, arm.as_ref())?;
-        let mut text = comment.into_bytes();
+        let (columns, found) = self.path_along(curve, arm.as_ref())?;
+        found.tell();
+        let mut text = found.comment.into_bytes();
         write_path(&mut text, &columns, self.digits)
             .map_err(|cause| Failure::new(Exit::CannotWrite, &cause, None))?;
         // The warnings of a solved path include this one.
         let warned = match &arm {
             Some(arm) if self.duration.is_some() && !self.shape.is_given() => reached(&text, arm)?,
-            _ => warnings,
+            _ => found.warnings.len(),
         };
         console::deliver(self.output.as_deref(), &text)?;
         self.warnings.refuse(warned)

@@ -12,14 +12,17 @@ use crate::link::Arm;
 use crate::robust::Hold;
 
 /// Inputs of a step: its files, and its arguments as the program takes them.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct LearnInputs {
-    /// The link file.
-    pub link: Fingerprint,
+    /// The link file; absent for a program without files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<Fingerprint>,
     /// The motion.
-    pub motion: Fingerprint,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Fingerprint>,
     /// The recording.
-    pub measured: Fingerprint,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<Fingerprint>,
     /// The applied table; absent for that of `solve`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub applied: Option<Fingerprint>,

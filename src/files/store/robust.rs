@@ -9,7 +9,7 @@ use super::json::Fingerprint;
 use super::names::SUMMARY;
 use crate::csv::{Digits, InputFile, Place, TableError, write_columns};
 use crate::numeric::student_95;
-use crate::robust::{Fitted, How, Key, Plant, PlantKind, RobustSummary, Robustness};
+use crate::robust::{Fitted, How, Key, Plant, RobustSummary, Robustness};
 
 /// Names of all files that `robust` may write.
 const OWNED: [&str; 3] = [PLANTS, ENVELOPE, SUMMARY];
@@ -17,12 +17,14 @@ const PLANTS: &str = "robust.csv";
 const ENVELOPE: &str = "envelope.csv";
 
 /// Inputs of a study: its files, and its arguments as the program takes them.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct RobustInputs {
-    /// The link file.
-    pub link: Fingerprint,
+    /// The link file; absent for a program without files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<Fingerprint>,
     /// The motion.
-    pub motion: Fingerprint,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Fingerprint>,
     /// The record of the fit that gives intervals.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fit: Option<Fingerprint>,
@@ -61,6 +63,37 @@ fn write_plants(
     summary: &RobustSummary,
     digits: Digits,
 ) -> io::Result<()> {
+    let columns = plant_columns(plants, summary);
+    let mut text = b"kind".to_vec();
+    for (heading, _) in &columns {
+        // A heading may have a comma or a quote in the name of a segment.
+        let quoted = heading.replace('"', "\"\"");
+        let is_plain = !heading.contains([',', '"']);
+        text.push(b',');
+        text.extend(if is_plain { heading.clone() } else { format!("\"{quoted}\"") }.as_bytes());
+    }
+    text.push(b'\n');
+    let peak = |values: &[Option<f64>]| {
+        values.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
+    };
+    let formats: Vec<_> = columns.iter().map(|(_, values)| digits.for_peak(peak(values))).collect();
+    for (row, plant) in plants.iter().enumerate() {
+        text.extend(plant.kind.word().as_bytes());
+        for ((_, values), format) in columns.iter().zip(&formats) {
+            text.push(b',');
+            if let Some(value) = values[row] {
+                format.write(&mut text, value);
+            }
+        }
+        text.push(b'\n');
+        out.write_all(&text)?;
+        text.clear();
+    }
+    Ok(())
+}
+
+/// Columns of robust.csv behind the kinds: values of the keys, and measures.
+pub fn plant_columns(plants: &[Plant], summary: &RobustSummary) -> Vec<(String, Vec<Option<f64>>)> {
     let keys: Vec<&Key> = summary.keys().collect();
     let value = |plant: &Plant, key: usize| plant.values[key].or(keys[key].nominal);
     let mut columns: Vec<(String, Vec<Option<f64>>)> = keys
@@ -78,43 +111,7 @@ fn write_plants(
     for (name, of) in numbers {
         columns.push((name.to_owned(), plants.iter().map(|own| of(own, travel_m)).collect()));
     }
-    let mut text = b"kind".to_vec();
-    for (heading, _) in &columns {
-        // A heading may have a comma or a quote in the name of a segment.
-        let quoted = heading.replace('"', "\"\"");
-        let is_plain = !heading.contains([',', '"']);
-        text.push(b',');
-        text.extend(if is_plain { heading.clone() } else { format!("\"{quoted}\"") }.as_bytes());
-    }
-    text.push(b'\n');
-    let peak = |values: &[Option<f64>]| {
-        values.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
-    };
-    let formats: Vec<_> = columns.iter().map(|(_, values)| digits.for_peak(peak(values))).collect();
-    for (row, plant) in plants.iter().enumerate() {
-        text.extend(kind(plant.kind).as_bytes());
-        for ((_, values), format) in columns.iter().zip(&formats) {
-            text.push(b',');
-            if let Some(value) = values[row] {
-                format.write(&mut text, value);
-            }
-        }
-        text.push(b'\n');
-        out.write_all(&text)?;
-        text.clear();
-    }
-    Ok(())
-}
-
-/// Word of a kind of plant.
-fn kind(kind: PlantKind) -> &'static str {
-    match kind {
-        PlantKind::Nominal => "nominal",
-        PlantKind::Key => "key",
-        PlantKind::Corner => "corner",
-        PlantKind::Sample => "sample",
-        PlantKind::Search => "search",
-    }
+    columns
 }
 
 /// Parts of the record of a fit that a study reads.

@@ -8,6 +8,7 @@ use crate::motion::{ArmPath, Motion, MotionColumns, PathColumns, Recording, TipM
 use crate::numeric::{
     CubicSpline, FourierPair, SplineEnds, TimeGrid, extremes, fast_length, largest, magnitude,
 };
+use crate::response::{HubReference, Torque};
 use crate::robust::Hold;
 
 /// Rests before and after the recording in periods of the band's end, in which the filtered error comes to rest.
@@ -128,6 +129,21 @@ impl Table {
             Hold::Effort | Hold::Feedback => vec![joint.torque_n_m.clone()],
         });
         Self { grid: solution.grid, joints: joints.collect() }
+    }
+
+    /// Efforts of the joints.
+    pub fn of_efforts(efforts: &[Torque]) -> Self {
+        let columns = efforts.iter().map(|own| vec![own.torque_n_m().to_vec()]);
+        Self { grid: efforts[0].grid(), joints: columns.collect() }
+    }
+
+    /// Positions of the joints, with their rates where these are known.
+    pub fn of_positions(positions: &[HubReference]) -> Self {
+        let columns = |own: &HubReference| {
+            let rate = own.rate_rad_s().map(<[f64]>::to_vec);
+            [own.angle_rad().to_vec()].into_iter().chain(rate).collect()
+        };
+        Self { grid: positions[0].grid(), joints: positions.iter().map(columns).collect() }
     }
 
     /// A column at a time. Outside the table the first and the last value hold, or the column is 0.

@@ -44,6 +44,19 @@ pub enum PlantKind {
     Search,
 }
 
+impl PlantKind {
+    /// Its word in robust.csv.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Nominal => "nominal",
+            Self::Key => "key",
+            Self::Corner => "corner",
+            Self::Sample => "sample",
+            Self::Search => "search",
+        }
+    }
+}
+
 /// A plant with its measures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plant {
