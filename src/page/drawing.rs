@@ -179,10 +179,13 @@ impl Figure {
         let axis = is_strip.then(|| range(y));
         let heights = is_strip.then(|| format!("{} {}", band.top, band.height));
         html! {
+            @if let Stroke::Columns(colour) = curve.stroke {
+                path class=(format!("bars broad s{colour}")) d=(stems(&points, band.y(y.share(0.0)))) {}
+            }
             path class=(curve.stroke.classes()) data-name=(curve.name)
                 data-y=[axis] data-band=[heights]
                 data-unit=[is_strip.then_some(&y.unit)] d=(path(&points)) {}
-            @if let Stroke::Dotted(colour) | Stroke::Points(colour) = curve.stroke {
+            @if let Stroke::Dotted(colour) | Stroke::Points(colour) | Stroke::Columns(colour) = curve.stroke {
                 @let size = if points.len() > MANY_DOTS { "dots fine" } else { "dots" };
                 path class=(format!("{size} s{colour}")) d=(dots(&points)) {}
             }
@@ -356,6 +359,12 @@ fn path(points: &[(f64, f64)]) -> String {
         pen = 'L';
     }
     text
+}
+
+/// A line to each point from a height.
+fn stems(points: &[(f64, f64)], foot: f64) -> String {
+    let stem = |(x, y): &(f64, f64)| [(*x, foot), (*x, *y), (f64::NAN, f64::NAN)];
+    path(&points.iter().flat_map(stem).collect::<Vec<_>>())
 }
 
 /// A dot at each point.

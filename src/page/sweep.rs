@@ -11,7 +11,7 @@ use super::figure::{Curve, Figure, Figures, Stroke};
 use super::link::{link_drawing, link_readings};
 use super::tables::{readings, table};
 use super::view::nearest;
-use super::words::warning_meaning;
+use super::words::{GLOSSARY, warning_meaning};
 use crate::compare::{Cell, Table, TableColumn};
 use crate::link::{Joint, Link};
 use crate::result::StoredSweep;
@@ -424,7 +424,7 @@ pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
     sections.extend(
         (!sweep.links.is_empty()).then(|| Section::new("link", "Link", links(&sweep.links))),
     );
-    sections.push(Section::glossary());
+    sections.push(Section::glossary(&GLOSSARY));
     sections.push(Section::new("varied", "What is varied", varied_values(sweep)));
     sections.push(Section::new("cases", "Cases", cases_table(sweep)));
     sections.extend(sweep.origin.as_ref().map(inputs));
@@ -472,6 +472,13 @@ fn warnings(kinds: &[(String, usize, usize)], sweep: &StoredSweep) -> Markup {
 fn links(links: &[Link]) -> Markup {
     html! {
         p { "As in the first case." }
+        (links_drawn(links))
+    }
+}
+
+/// A link or the links of an arm, in a drawing and in numbers.
+pub(super) fn links_drawn(links: &[Link]) -> Markup {
+    html! {
         @if let [link] = links { figure class="drawing" { (link_drawing(link)) } }
         div class="columns" { @for (k, link) in links.iter().enumerate() {
             (readings(&(if links.len() > 1 { format!("Link {}", k + 1) } else { "Link".to_owned() }), &link_readings(link)))

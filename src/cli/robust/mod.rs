@@ -12,6 +12,7 @@ use crate::inverse::{Analysis, Solution};
 use crate::link::Arm;
 use crate::motion::{Shaper, Shaping};
 use crate::numeric::{Dimension, parse_quantity};
+use crate::page::{Figures, page};
 use crate::response::SimulationError;
 use crate::result::Notice;
 use crate::robust::{
@@ -19,7 +20,9 @@ use crate::robust::{
     PlantKind, PlantTip, PlayErrors, RobustSummary, Robustness, Sample, Study, Thinned,
 };
 use crate::spec::{LinkDocument, Override, SpecError, Specification, Uncertain};
-use crate::store::{Fingerprint, RobustInputs, read_fitted, record_json, write_robust};
+use crate::store::{
+    Fingerprint, REPORT, RobustFiles, RobustInputs, StoredResult, read_fitted, robust_json,
+};
 use crate::text::{shown_path, significant};
 
 use super::problem::Problem;
@@ -192,6 +195,10 @@ pub(crate) struct Robust {
     #[arg(long, value_name = "N", default_value = "10")]
     digits: Digits,
 
+    /// Also write report.html, the page that `flexlink report` makes.
+    #[arg(long)]
+    report: bool,
+
     #[command(flatten)]
     sync: SyncArgs,
 
@@ -319,24 +326,31 @@ impl Robust {
         let told = solved.tell();
         console::warnings(of_study.iter().cloned());
         warnings.extend(of_study.iter().cloned());
-        let title = problem.specification.arm.title();
+        let arm = &problem.specification.arm;
         let inputs = RobustInputs {
             link: Fingerprint::of(&file),
             motion: Fingerprint::of(&motion),
             fit: fit.as_ref().map(Fingerprint::of),
             arguments: self.arguments(),
         };
-        let record = record_json("robust", (title, &inputs), &summary, &warnings);
+        let record = robust_json(arm, &inputs, &summary, &warnings);
         let times = 0..outcome.envelope_m[0].len();
         let times_s: Vec<f64> = times.map(|k| plays.quick.time_s(k)).collect();
-        let folder = self.sync.stage(&self.output)?;
-        write_robust(folder, (&record, &summary), (&outcome, &times_s), self.digits)?;
+        let files = RobustFiles::of((&record, &summary), (&outcome, &times_s), self.digits);
+        let page = self.report.then(|| drawn(&files)).transpose()?;
+        files.write(self.sync.stage(&self.output)?, page.as_deref())?;
         let kinds: Vec<PlantKind> = outcome.plants.iter().map(|plant| plant.kind).collect();
-        let written = || format!("3 files in {}", shown_path(&self.output));
-        let arm = &problem.specification.arm;
+        let written = || self.written();
         self.print.print(|| record.clone(), || robust_text(arm, &summary, &kinds, written()))?;
         self.judge(&summary)?;
         self.warnings.refuse(told + of_study.len())
+    }
+
+    /// The written files in words.
+    fn written(&self) -> String {
+        let folder = format!("3 files in {}", shown_path(&self.output));
+        let page = || format!("\n{:9}{}", "", shown_path(&self.output.join(REPORT)));
+        folder + &self.report.then(page).unwrap_or_default()
     }
 
     fn hold(&self) -> Hold {
@@ -527,6 +541,12 @@ pub(super) fn keys(
             Some(Fitted { first, ..fitted })
         }
     };
+    let twice =
+        |number: &usize| keys[..*number].iter().any(|own| own.name() == keys[*number].name());
+    if let Some(number) = (1..keys.len()).find(twice) {
+        let message = format!("{} has two intervals, but must have one", keys[number].name());
+        return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
+    }
     if keys.is_empty() {
         let message =
             "nothing is uncertain: --uncertain is missing, and the link file has no [uncertainty]";
@@ -534,6 +554,12 @@ pub(super) fn keys(
         return Err(Failure::new(Exit::Usage, &message, Some(hint)));
     }
     Ok((keys, fitted))
+}
+
+/// The page of a study, from its files.
+fn drawn(files: &RobustFiles) -> Result<String, Failure> {
+    let study = StoredResult::Robust(Box::new(files.stored()?));
+    Ok(page(&study, &Figures::of(&study)))
 }
 
 fn command_refused(error: &CommandError) -> Failure {

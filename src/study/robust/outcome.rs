@@ -44,6 +44,22 @@ pub enum PlantKind {
     Search,
 }
 
+impl PlantKind {
+    /// All kinds, in the order of robust.csv.
+    pub const ALL: [Self; 5] = [Self::Nominal, Self::Key, Self::Corner, Self::Sample, Self::Search];
+
+    /// Its word in robust.csv.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Nominal => "nominal",
+            Self::Key => "key",
+            Self::Corner => "corner",
+            Self::Sample => "sample",
+            Self::Search => "search",
+        }
+    }
+}
+
 /// A plant with its measures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plant {

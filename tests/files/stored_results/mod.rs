@@ -15,7 +15,7 @@ mod words;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use flexlink::result::{StoredResult, StoredRun, StoredSweep};
+use flexlink::result::{StoredRun, StoredSweep};
 use flexlink::store::read_result;
 
 use bench::Bench;
