@@ -1,8 +1,10 @@
 //! Figures of a study of plants that differ from the link file, and its page.
 
+use std::ops::Range;
+
 use maud::{Markup, html};
 
-use super::axis::{Axis, TIME};
+use super::axis::{Axis, TIME, raised};
 use super::document::{FILES, Section, advice, all_figures, document, inputs, made_by};
 use super::figure::{Curve, Figure, Figures, Mark, Stroke};
 use super::sweep::links_drawn;
@@ -12,7 +14,7 @@ use crate::compare::Cell;
 use crate::robust::{
     Help, Inside, KeyOutcome, Measure, OverLimit, PlantKind, StoredRobust, share_words,
 };
-use crate::text::{given, significant};
+use crate::text::significant;
 
 /// Classes of marks; the names of each class stand in a row of their own.
 const ROWS: [&str; 8] = ["m1", "m2", "m3", "m4", "m5", "m6", "m7", "m8"];
@@ -54,6 +56,16 @@ fn rows(study: &StoredRobust, kind: PlantKind) -> impl Iterator<Item = usize> {
     (0..study.plants.lines.len()).filter(is_kind)
 }
 
+/// Adds marks, each with its name in a row of its own, and room for these rows at the top.
+fn marked(figure: Figure, marks: impl IntoIterator<Item = (Option<f64>, String)>) -> Figure {
+    let marks = marks.into_iter().filter_map(|(at, label)| Some((at?, label))).zip(ROWS);
+    let marks: Vec<Mark> = marks.map(|((at, label), class)| Mark { at, label, class }).collect();
+    let Range { start, end } = figure.y.range;
+    let rows = ROW * (marks.len() as f64 + 0.5);
+    let y = Axis { range: start..start + (end - start) / (1.0 - rows / PLOT), ..figure.y.clone() };
+    Figure { y, marks, ..figure }
+}
+
 /// Lowest and highest error over time.
 fn envelope(study: &StoredRobust) -> Result<Figure, String> {
     let StoredRobust { summary, times_s, envelope_m: [low, high], .. } = study;
@@ -61,14 +73,15 @@ fn envelope(study: &StoredRobust) -> Result<Figure, String> {
     if runs == 0 {
         return Err("the error over time, since no plant is drawn: --runs is 0".to_owned());
     }
-    let sizes = if study.links.len() > 1 { " Of an arm they are distances." } else { "" };
+    let sizes =
+        if study.links.len() > 1 { " The errors are distances, without a sign." } else { "" };
     let mut caption =
         format!("Lowest and highest error of the tip among the {runs} drawn plants.{sizes}");
     let mut curves = vec![
         Curve::new("highest error", Stroke::Solid(1), times_s, high),
         Curve::new("lowest error", Stroke::Solid(2), times_s, low),
     ];
-    let band = format!("settling band {} m", given(summary.band_m));
+    let band = format!("settling band {}", summary.both(summary.band_m));
     match Curve::limit((summary.band_m, &band), 0.0, 3, &curves) {
         Some(line) => curves.push(line),
         None => caption += &format!(" The {band} is beyond the figure."),
@@ -79,14 +92,11 @@ fn envelope(study: &StoredRobust) -> Result<Figure, String> {
         (summary.nominal.period_s.map(|period_s| end_s + period_s), "one period later"),
         (summary.settling_p95_s.map(|after_s| end_s + after_s), "95 % settled"),
     ];
-    let marks = marks.into_iter().zip(ROWS);
-    let marks = marks
-        .filter_map(|((at, label), class)| Some(Mark { at: at?, label: label.to_owned(), class }));
-    let marks = marks.collect();
+    let marks = marks.map(|(at, label)| (at, label.to_owned()));
     let x = Axis::linear(TIME, "s", times_s[0]..times_s[times_s.len() - 1]);
     let title = "Error of the tip over time";
     let figure = Figure::of_curves("envelope", title, caption, x, ("error", "m"), curves);
-    Ok(Figure { marks, ..figure }.by(formula::ENVELOPE))
+    Ok(marked(figure, marks).by(formula::ENVELOPE))
 }
 
 /// Errors that each key makes alone, the largest share first.
@@ -99,14 +109,10 @@ fn bars(study: &StoredRobust, keys: &[&KeyOutcome]) -> Figure {
     let strokes = [Stroke::Columns(1), Stroke::Points(2), Stroke::Points(3)];
     let curves = Measure::ALL.into_iter().zip(strokes).map(curve).collect();
     let labels: Vec<String> = keys.iter().map(|own| own.key.name()).collect();
-    let marks = places.iter().zip(&labels).zip(keys).zip(ROWS);
-    let marks: Vec<Mark> = marks
-        .map(|(((at, name), own), class)| Mark {
-            at: *at,
-            label: format!("{name}: {}", share_words(own.share)),
-            class,
-        })
-        .collect();
+    let label =
+        |(name, own): (&String, &&KeyOutcome)| format!("{name}: {}", share_words(own.share));
+    let shares = labels.iter().zip(keys).map(label);
+    let marks: Vec<_> = places.iter().map(|at| Some(*at)).zip(shares).collect();
     let named = places.iter().zip(&labels).map(|(number, name)| format!("{number}: {name}"));
     let caption = format!(
         "Largest errors that each value makes alone, the others as in the file. The percentages are shares of the tip \
@@ -117,10 +123,7 @@ fn bars(study: &StoredRobust, keys: &[&KeyOutcome]) -> Figure {
     let x = Axis { places, ..Axis::linear("key", "", range) };
     let title = "Which value it is";
     let figure = Figure::of_curves("keys", title, caption, x, ("error of the travel", "%"), curves);
-    // Room for the names at the top.
-    let high = figure.y.range.end / (1.0 - ROW * (marks.len() as f64 + 0.5) / PLOT);
-    let y = Axis { range: 0.0..high, ..figure.y.clone() };
-    Figure { y, marks, ..figure }.by(formula::STRAYS)
+    marked(figure, marks).by(formula::STRAYS)
 }
 
 /// Errors over one key, the others as in the file.
@@ -147,7 +150,7 @@ fn over_key(study: &StoredRobust, number: usize, own: &KeyOutcome) -> Figure {
     let curves = Measure::ALL.into_iter().zip(1..).map(curve).collect();
     let ends = alone.first().zip(alone.last()).map_or(key.ends, |(low, high)| [low.0, high.0]);
     let margin = 0.03 * (ends[1] - ends[0]);
-    let x = Axis::linear(&key.name(), key.unit(), ends[0] - margin..ends[1] + margin);
+    let x = Axis::linear(&key.name(), &raised(key.unit()), ends[0] - margin..ends[1] + margin);
     let worst = own.worst[0];
     let file = key.nominal.map_or("The file has no such value".to_owned(), |nominal| {
         format!("The file has {}", key.amount(nominal))
@@ -159,15 +162,11 @@ fn over_key(study: &StoredRobust, number: usize, own: &KeyOutcome) -> Figure {
         if inside.is_empty() { String::new() } else { format!(" Not monotone: {inside}.") }
     );
     let marks = [(key.nominal, "in the file"), (Some(worst.value), "worst")];
-    let marks = marks
-        .into_iter()
-        .zip(ROWS)
-        .filter_map(|((at, label), class)| Some(Mark { at: at?, label: label.to_owned(), class }));
-    let marks = marks.collect();
+    let marks = marks.map(|(at, label)| (at, label.to_owned()));
     let title = format!("Over {}", key.name());
     let id = format!("key-{number}");
     let figure = Figure::of_curves(id, &title, caption, x, ("error of the travel", "%"), curves);
-    Figure { marks, ..figure }.by(formula::STRAYS)
+    marked(figure, marks).by(formula::STRAYS)
 }
 
 /// Share of the drawn plants below each tip error.
@@ -186,16 +185,15 @@ fn sample(study: &StoredRobust) -> Result<Figure, String> {
     );
     let [of_tip, ..] = quantiles;
     let marks = [(of_tip.median_m, "50 %"), (of_tip.p95_m, "95 %"), (of_tip.p99_m, "99 %")];
-    let marks = marks.into_iter().zip(ROWS).map(|(([at_m, _], label), class)| {
+    let marks = marks.map(|([at_m, _], label)| {
         let at = percent(study, at_m);
-        Mark { at, label: format!("{label} below {} %", significant(at, 3)), class }
+        (Some(at), format!("{label} below {} %", significant(at, 3)))
     });
-    let marks = marks.collect();
     let x = Axis::around("tip error", "%", sizes.iter());
     let curves = vec![Curve::new("plants below", Stroke::Solid(1), &sizes, &shares)];
     let title = "Distribution of the tip error";
     let figure = Figure::of_curves("sample", title, caption, x, ("plants below", "%"), curves);
-    Ok(Figure { marks, ..figure }.by(formula::SAMPLE))
+    Ok(marked(figure, marks).by(formula::SAMPLE))
 }
 
 /// The page of a study, with its figures.

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use maud::{Markup, html};
 
-use super::axis::{Axis, in_unit};
+use super::axis::{Axis, in_unit, raised};
 use super::colour_map::{ColourMap, Colours, Fields};
 use super::document::{FILES, Section, all_figures, document, inputs, made_by};
 use super::figure::{Curve, Figure, Figures, Stroke};
@@ -49,8 +49,7 @@ impl<'a> Named<'a> {
     fn of(column: &'a TableColumn, si: &str) -> Self {
         let given = column.name().strip_suffix(']').and_then(|heading| heading.split_once(" ["));
         let (name, unit) = given.unwrap_or((column.name(), si));
-        let unit = unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴");
-        Self { column, name: name.to_owned(), unit }
+        Self { column, name: name.to_owned(), unit: raised(unit) }
     }
 
     /// Name and unit: `payload.mass in kg`.

@@ -438,7 +438,11 @@ impl Robust {
                 significant(found, 4),
                 significant(allowed, 4)
             );
-            warnings.push(Notice::new("not_robust", message, "see the line `helps`"));
+            warnings.push(Notice::new(
+                "not_robust",
+                message,
+                "know the first key better, or use another command that helps",
+            ));
         }
         warnings
     }

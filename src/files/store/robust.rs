@@ -15,6 +15,7 @@ use crate::link::Arm;
 use crate::numeric::student_95;
 use crate::result::{Notice, Origin};
 use crate::robust::{Fitted, How, Key, Plant, PlantKind, RobustSummary, Robustness, StoredRobust};
+use crate::spec::unit_of_key;
 
 /// The value of `command` in the record.
 pub(super) const COMMAND: &str = "robust";
@@ -152,11 +153,19 @@ impl RobustFiles {
         check_format(format, &version, place)?;
         let read = || {
             let record: Record = parsed(&self.record.bytes, place, &as_written())?;
-            let Numbers { links, summary } = record.numbers;
+            let Numbers { links, mut summary } = record.numbers;
             let link = |own: LinkRecord| own.link(&record.title, None);
             let links = links.into_iter().map(link).collect::<Result<_, _>>();
             let links = links.map_err(|error| place.refuse_whole(&format!("links: {error}")))?;
             let plants = read_plants(&self.plants, &summary)?;
+            // The record leaves out the unit of values in SI, a page shows it.
+            for own in &mut summary.keys {
+                if let How::Value(unit) = &mut own.key.how
+                    && unit.is_empty()
+                {
+                    *unit = unit_of_key(&own.key.path).unwrap_or_default();
+                }
+            }
             let mut envelope = RunTable::of(&self.envelope, &[LOWEST, HIGHEST].map(str::to_owned))?;
             envelope.check_even()?;
             let [times_s, low, high] = [TIME, LOWEST, HIGHEST].map(|name| envelope.take(name));

@@ -190,7 +190,7 @@ impl RobustSummary {
         format!("{} ± {} %", significant(at, 3), significant(error, 1))
     }
 
-    /// What the drives play.
+    /// The played quantity: `torque of solve, without feedback`.
     pub fn played_words(&self, is_arm: bool) -> String {
         let of = match &*self.played {
             "inverse" => "of solve".to_owned(),

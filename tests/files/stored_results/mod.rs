@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use flexlink::result::{StoredRun, StoredSweep};
-use flexlink::store::read_result;
+use flexlink::store::{StoredResult, read_result};
 
 use bench::Bench;
 use words::Words;
