@@ -57,8 +57,11 @@ fn rows(study: &StoredRobust, kind: PlantKind) -> impl Iterator<Item = usize> {
 }
 
 /// Adds marks, each with its name in a row of its own, and room for these rows at the top.
-fn marked(figure: Figure, marks: impl IntoIterator<Item = (Option<f64>, String)>) -> Figure {
-    let marks = marks.into_iter().filter_map(|(at, label)| Some((at?, label))).zip(ROWS);
+fn marked<L: Into<String>>(
+    figure: Figure,
+    marks: impl IntoIterator<Item = (Option<f64>, L)>,
+) -> Figure {
+    let marks = marks.into_iter().filter_map(|(at, label)| Some((at?, label.into()))).zip(ROWS);
     let marks: Vec<Mark> = marks.map(|((at, label), class)| Mark { at, label, class }).collect();
     let Range { start, end } = figure.y.range;
     let rows = ROW * (marks.len() as f64 + 0.5);
@@ -92,7 +95,6 @@ fn envelope(study: &StoredRobust) -> Result<Figure, String> {
         (summary.nominal.period_s.map(|period_s| end_s + period_s), "one period later"),
         (summary.settling_p95_s.map(|after_s| end_s + after_s), "95 % settled"),
     ];
-    let marks = marks.map(|(at, label)| (at, label.to_owned()));
     let x = Axis::linear(TIME, "s", times_s[0]..times_s[times_s.len() - 1]);
     let title = "Error of the tip over time";
     let figure = Figure::of_curves("envelope", title, caption, x, ("error", "m"), curves);
@@ -130,7 +132,8 @@ fn bars(study: &StoredRobust, keys: &[&KeyOutcome]) -> Figure {
 fn over_key(study: &StoredRobust, number: usize, own: &KeyOutcome) -> Figure {
     let (key, summary) = (&own.key, &study.summary);
     let place = 1 + summary.keys().position(|other| other == key).unwrap_or(0);
-    let nominal = rows(study, PlantKind::Nominal).next().unwrap_or(0);
+    // The first row is that of the file.
+    let nominal = 0;
     let values = &study.plants.columns[1..=summary.keys.len()];
     let is_alone = |row: &usize| {
         let others = values.iter().enumerate().filter(|(k, _)| k + 1 != place);
@@ -162,7 +165,6 @@ fn over_key(study: &StoredRobust, number: usize, own: &KeyOutcome) -> Figure {
         if inside.is_empty() { String::new() } else { format!(" Not monotone: {inside}.") }
     );
     let marks = [(key.nominal, "in the file"), (Some(worst.value), "worst")];
-    let marks = marks.map(|(at, label)| (at, label.to_owned()));
     let title = format!("Over {}", key.name());
     let id = format!("key-{number}");
     let figure = Figure::of_curves(id, &title, caption, x, ("error of the travel", "%"), curves);

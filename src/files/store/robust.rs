@@ -193,6 +193,9 @@ fn read_plants(file: &InputFile, summary: &RobustSummary) -> Result<Table, Table
         let must = format!("must be {}, the plants of {SUMMARY}: {ONE_RUN}", summary.plants);
         return Err(place.refuse("rows", rows.to_string(), must));
     }
+    if rows == 0 || table.columns[0].cell(0) != Cell::Word(PlantKind::Nominal.word()) {
+        return Err(place.refuse_whole("the first row must be the nominal plant"));
+    }
     let is_kind = |word: &str| PlantKind::ALL.iter().any(|kind| kind.word() == word);
     for (number, column) in table.columns.iter().enumerate() {
         let name = column.name();
