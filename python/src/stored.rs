@@ -1,6 +1,7 @@
 //! Results read back.
 
-use flexlink::compare::{Cell, Table};
+use flexlink::compare;
+use flexlink::compare::Cell;
 use flexlink::csv::Joints;
 use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredRun};
 use flexlink::store::{StoredResult, read_result};
@@ -26,7 +27,7 @@ pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Raises<Any<'_>> {
 }
 
 /// Columns of numbers as arrays, columns with a word as lists.
-fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> {
+fn columns<'py>(py: Python<'py>, table: &compare::Table) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
     for column in &table.columns {
         let cells: Vec<Cell> = (0..table.lines.len()).map(|row| column.cell(row)).collect();

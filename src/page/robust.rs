@@ -87,7 +87,7 @@ fn envelope(study: &StoredRobust) -> Result<Figure, String> {
     let band = format!("settling band {}", summary.both(summary.band_m));
     match Curve::limit((summary.band_m, &band), 0.0, 3, &curves) {
         Some(line) => curves.push(line),
-        None => caption += &format!(" The {band} is beyond the figure."),
+        None => caption = format!("{caption} The {band} is beyond the figure."),
     }
     let end_s = summary.end_s;
     let marks = [
