@@ -1,7 +1,6 @@
 //! Results read back.
 
-use flexlink::compare;
-use flexlink::compare::Cell;
+use flexlink::compare::{self, Cell};
 use flexlink::csv::Joints;
 use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredRun};
 use flexlink::store::{StoredResult, read_result};
