@@ -38,7 +38,9 @@ fn the_page_is_the_one_of_its_files() {
             ["torque of solve, without feedback", "The file has 1.000", "mass in kg", "&lt;b&gt;"],
         ),
         (
-            format!("{sheet} move.csv --play position --uncertain segments.*.E*=±5%"),
+            format!(
+                "{sheet} move.csv --set gravity=[0,0] --play position --uncertain segments.*.E*=±5%"
+            ),
             ["carriage travel of solve, held exactly", "of the travel in %", "Steel sheet", ""],
         ),
         (
