@@ -9,8 +9,7 @@ use flexlink::beam::MeshPlan;
 use flexlink::inverse::{Analysis, invert};
 use flexlink::link::{Link, Segment};
 use flexlink::motion::Profile;
-use flexlink::result::StoredResult;
-use flexlink::store::{read_result, write_solution};
+use flexlink::store::{StoredResult, read_result, write_solution};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let strip = Segment::uniform(1.5, 5.0, 0.8);

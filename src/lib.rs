@@ -47,7 +47,7 @@
 //! | `files` | [`spec`] | link file and `--set` → [`link::Link`]; files of tolerances and of measured values |
 //! | | [`csv`] | CSV → motion, torque, hub reference, any table; numbers as text |
 //! | | [`measured`] | a file of measured values, with the files of responses and records that it names |
-//! | | [`store`] | the folder of a run, CSV files and summary.json, written and read; the file of a sweep; golden files |
+//! | | [`store`] | the folder of a run or a study, CSV files and summary.json, written and read; the file of a sweep; golden files |
 //! | `page` | [`page`] | a result or a fit as figures, and as a page to look at |
 //! | `cli` | `terminal` | printed text, exit codes, progress, memory, threads, signals |
 //! | | `options` | options that several commands share, and the inputs that they name |

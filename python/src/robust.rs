@@ -153,8 +153,8 @@ impl Robustness {
 
     fn write_into(&self, folder: &Path, more: Vec<String>) -> Fails<()> {
         let options = options_of(&self.source, &[self.arguments.clone(), more].concat())?;
-        let record = self.record(&options);
-        Ok(self.studied.write(OutputFolder::stage(folder, &|_| {})?, &record, options.digits)?)
+        let files = self.studied.files(&self.record(&options), options.digits);
+        Ok(files.write(OutputFolder::stage(folder, &|_| {})?, None)?)
     }
 
     /// Values of the keys of a plant by their headings; None where the file's value counts.

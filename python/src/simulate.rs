@@ -6,7 +6,7 @@ use flexlink::cli::options::moves::{
 use flexlink::cli::options::play::feedback;
 use flexlink::csv::{InputFile, Joints};
 use flexlink::elastica::SecondOrder;
-use flexlink::link::Arm;
+use flexlink::link::{Arm, ArmLink};
 use flexlink::motion::TipTarget;
 use flexlink::numeric::TimeGrid;
 use flexlink::response::{HistoryError, HubReference, Interpolation, State, Torque};

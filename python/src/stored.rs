@@ -1,9 +1,9 @@
 //! Results read back.
 
-use flexlink::compare::Cell;
+use flexlink::compare::{self, Cell};
 use flexlink::csv::Joints;
-use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredResult, StoredRun, StoredSweep};
-use flexlink::store::read_result;
+use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredRun};
+use flexlink::store::{StoredResult, read_result};
 
 use crate::arrays::rows;
 use crate::prelude::*;
@@ -11,12 +11,13 @@ use crate::properties::Value::{Notices, Stored};
 use crate::properties::{Properties, Value, check, frame};
 use crate::threads::without_python;
 
-/// Reads a result. The folder of a run of ``solve`` or ``simulate`` becomes a `Run`; the file of a sweep becomes a
-/// dictionary of its columns.
+/// Reads a result. The folder of a run of ``solve`` or ``simulate`` becomes a `Run`; the file of a sweep, and
+/// robust.csv in the folder of a study of ``robust``, become a dictionary of their columns.
 #[pyfunction]
 pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Raises<Any<'_>> {
     match without_python(py, || Ok(read_result(&path)?))? {
-        StoredResult::Sweep(sweep) => Ok(table(py, &sweep)?.into_any()),
+        StoredResult::Sweep(sweep) => Ok(columns(py, &sweep.table)?.into_any()),
+        StoredResult::Robust(study) => Ok(columns(py, &study.plants)?.into_any()),
         StoredResult::Runs(runs) => match runs.into_iter().next() {
             Some(run) => Ok(Bound::new(py, Run(run))?.into_any()),
             None => Err(PyTypeError::new_err("no run").into()),
@@ -25,10 +26,10 @@ pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Raises<Any<'_>> {
 }
 
 /// Columns of numbers as arrays, columns with a word as lists.
-fn table<'py>(py: Python<'py>, sweep: &StoredSweep) -> PyResult<Bound<'py, PyDict>> {
-    let table = PyDict::new(py);
-    for column in &sweep.table.columns {
-        let cells: Vec<Cell> = (0..sweep.table.lines.len()).map(|row| column.cell(row)).collect();
+fn columns<'py>(py: Python<'py>, table: &compare::Table) -> PyResult<Bound<'py, PyDict>> {
+    let all = PyDict::new(py);
+    for column in &table.columns {
+        let cells: Vec<Cell> = (0..table.lines.len()).map(|row| column.cell(row)).collect();
         let number = |cell: &Cell| match cell {
             Cell::Number(number) => Some(*number),
             // An empty field is a missing number of a case.
@@ -40,11 +41,11 @@ fn table<'py>(py: Python<'py>, sweep: &StoredSweep) -> PyResult<Bound<'py, PyDic
             Cell::Word(word) => (*word).to_owned(),
         };
         match cells.iter().map(number).collect::<Option<Vec<f64>>>() {
-            Some(numbers) => table.set_item(column.name(), PyArray1::from_vec(py, numbers))?,
-            None => table.set_item(column.name(), cells.iter().map(text).collect::<Vec<_>>())?,
+            Some(numbers) => all.set_item(column.name(), PyArray1::from_vec(py, numbers))?,
+            None => all.set_item(column.name(), cells.iter().map(text).collect::<Vec<_>>())?,
         }
     }
-    Ok(table)
+    Ok(all)
 }
 
 /// A run of ``solve`` or ``simulate``, read from its folder: arrays with as many digits as the files have; those of an arm

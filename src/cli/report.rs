@@ -20,7 +20,7 @@ Example:
   flexlink report out --png figures
   flexlink report solved simulated    # runs of an arm
 
-RESULT is a folder of `solve` or `simulate`, or the table of `sweep`. BESIDE are folders of other runs \
+RESULT is a folder of `solve`, `simulate` or `robust`, or the table of `sweep`. BESIDE are folders of other runs \
 of the same arm of several links, which the page of the first shows beside it.";
 
 /// Write a result as a page with figures.
@@ -31,7 +31,7 @@ of the same arm of several links, which the page of the first shows beside it.";
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Report {
-    /// Folder of a run, or table of a sweep.
+    /// Folder of solve, simulate or robust, or table of a sweep.
     #[arg(value_name = "RESULT")]
     result: PathBuf,
 

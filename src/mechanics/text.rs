@@ -71,6 +71,16 @@ pub fn given(value: f64) -> String {
     if plain.len() <= 8 { plain } else { significant(value, 6) }
 }
 
+/// A number of things, in singular or plural.
+///
+/// ```
+/// use flexlink::text::counted;
+/// assert_eq!([1, 2].map(|number| counted(number, "key")), ["1 key", "2 keys"]);
+/// ```
+pub fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
 /// A share in percent, for people.
 ///
 /// ```

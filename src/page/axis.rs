@@ -158,6 +158,11 @@ impl Axis {
     }
 }
 
+/// A unit of a link file with raised exponents: `N m²`.
+pub(super) fn raised(unit: &str) -> String {
+    unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
+}
+
 /// Name and unit of a quantity: `torque in N m`.
 pub(super) fn in_unit(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} in {unit}") }

@@ -10,7 +10,7 @@ use super::link::{given, link_drawing, link_readings};
 use super::motion::Motion;
 use super::tables::{checks, errors, joints, modes, readings, results, table};
 use super::view::View;
-use super::words::glossary;
+use super::words::{GLOSSARY, glossary};
 use crate::link::Link;
 use crate::result::{Notice, Origin, StoredRun};
 
@@ -98,8 +98,8 @@ pub(super) struct Section {
 
 impl Section {
     /// The glossary, folded.
-    pub(super) fn glossary() -> Self {
-        Self::new("glossary", "Glossary", glossary())
+    pub(super) fn glossary(words: &[(&str, &str)]) -> Self {
+        Self::new("glossary", "Glossary", glossary(words))
     }
 
     pub(super) fn new(id: &'static str, name: &'static str, content: Markup) -> Self {
@@ -239,7 +239,7 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
         more,
         named("remarks", "Remarks", advice(&told(view, |arm| &arm.remarks), false)),
         named("link", "Link", view.link.map(|run| drawing(run.link))),
-        Some(Section::glossary()),
+        Some(Section::glossary(&GLOSSARY)),
         Some(Section::new("results", "Results", tables)),
         named("errors", "Errors", errors),
         named("checks", "Verification", checks(&first.checks)),

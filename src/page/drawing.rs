@@ -179,10 +179,13 @@ impl Figure {
         let axis = is_strip.then(|| range(y));
         let heights = is_strip.then(|| format!("{} {}", band.top, band.height));
         html! {
+            @if let Stroke::Columns(colour) = curve.stroke {
+                path class=(format!("bars broad s{colour}")) d=(stems(&points, band.y(y.share(0.0)))) {}
+            }
             path class=(curve.stroke.classes()) data-name=(curve.name)
                 data-y=[axis] data-band=[heights]
                 data-unit=[is_strip.then_some(&y.unit)] d=(path(&points)) {}
-            @if let Stroke::Dotted(colour) | Stroke::Points(colour) = curve.stroke {
+            @if let Stroke::Dotted(colour) | Stroke::Points(colour) | Stroke::Columns(colour) = curve.stroke {
                 @let size = if points.len() > MANY_DOTS { "dots fine" } else { "dots" };
                 path class=(format!("{size} s{colour}")) d=(dots(&points)) {}
             }
@@ -236,24 +239,26 @@ impl Figure {
                 @for (row, class) in classes.iter().enumerate() {
                     @for (mark, at) in self.with_room(class) {
                         text class=(format!("mark-label {class}")) data-at=(mark.at)
-                            x=(number(at + 3.0)) y=(TOP + 13.0 + 14.0 * row as f64) { (mark.label) }
+                            x=(number(at)) y=(TOP + 13.0 + 14.0 * row as f64) { (mark.label) }
                     }
                 }
             }
         }
     }
 
-    /// Marks of a class with room for their names, each with its x.
+    /// Marks of a class with room for their names, each with the x of its name: to the right of the mark, or to the left
+    /// where the right is too narrow. The page's script does the same.
     fn with_room(&self, class: &str) -> Vec<(&Mark, f64)> {
         let width = self.plot().0;
-        let mut free = f64::NEG_INFINITY;
+        let mut free = 0.0;
         let mut shown = Vec::new();
         for mark in self.marks.iter().filter(|mark| mark.class == class) {
             let at = LEFT + width * self.x.share(mark.at);
-            let end = at + 6.0 + LETTER * mark.label.chars().count() as f64;
-            if at >= free && end <= LEFT + width {
-                free = end;
-                shown.push((mark, at));
+            let long = 6.0 + LETTER * mark.label.chars().count() as f64;
+            let x = if at + long < LEFT + width { at + 3.0 } else { at - long };
+            if x >= free {
+                free = x + long;
+                shown.push((mark, x));
             }
         }
         shown
@@ -356,6 +361,12 @@ fn path(points: &[(f64, f64)]) -> String {
         pen = 'L';
     }
     text
+}
+
+/// A line to each point from a height.
+fn stems(points: &[(f64, f64)], foot: f64) -> String {
+    let stem = |(x, y): &(f64, f64)| [(*x, foot), (*x, *y), (f64::NAN, f64::NAN)];
+    path(&points.iter().flat_map(stem).collect::<Vec<_>>())
 }
 
 /// A dot at each point.

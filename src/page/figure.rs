@@ -49,6 +49,8 @@ pub(super) enum Stroke {
     Dotted(usize),
     /// A dot at each point, without a line.
     Points(usize),
+    /// A dot at each point, on a bar from 0.
+    Columns(usize),
     /// Pieces of a line that show uncertainties rather than values.
     Bars(usize),
     /// Limit of the line with this colour.
@@ -62,7 +64,7 @@ impl Stroke {
             Self::Solid(colour) | Self::Dotted(colour) => format!("line s{colour}"),
             Self::Thin(colour) => format!("line s{colour} thin"),
             Self::Dashed(colour) => format!("line s{colour} dashed"),
-            Self::Points(colour) => format!("line s{colour} points"),
+            Self::Points(colour) | Self::Columns(colour) => format!("line s{colour} points"),
             Self::Bars(colour) => format!("bars s{colour}"),
             Self::Limit(colour) => format!("limit s{colour}"),
         }
@@ -111,7 +113,7 @@ impl Curve {
 
     /// A line at a limit above `from`, over the x of the first of `curves`; also at the limit below it if some curve falls
     /// below `from` by a twentieth of the peak. `None` for a limit of more than three times the peak, and without points.
-    fn limit(
+    pub(super) fn limit(
         (limit, name): (f64, &str),
         from: f64,
         colour: usize,

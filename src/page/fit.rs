@@ -6,7 +6,7 @@ use super::axis::{Axis, digits};
 use super::document::{Section, advice, all_figures, document, inputs, made_by};
 use super::figure::{Curve, Figure, Figures, Mark, Stroke};
 use super::tables::table;
-use super::words::formula;
+use super::words::{GLOSSARY, formula};
 use crate::fit::{
     Coordinate, FitOutcome, FittedValue, HubEnd, Observable, Overlay, Replaced, Residual, Spacing,
 };
@@ -43,7 +43,7 @@ pub fn fit_page(report: &FitReport) -> String {
     }
     let figures = figures(outcome);
     sections.push(all_figures(&figures));
-    sections.push(Section::glossary());
+    sections.push(Section::glossary(&GLOSSARY));
     let values = html! { (values(outcome)) (replacements(replaced, *written)) };
     sections.push(Section::new("values", "Values", values));
     if !outcome.other_answers.is_empty() {

@@ -413,7 +413,8 @@ mod tests {
     use crate::page::Figures;
     use crate::page::tests::{run, solution};
     use crate::result::Limits;
-    use crate::result::{StoredMotor, StoredResult, StoredRun};
+    use crate::result::{StoredMotor, StoredRun};
+    use crate::store::StoredResult;
 
     /// A peak between samples exceeds all samples.
     #[test]

@@ -11,6 +11,7 @@ mod frequency;
 mod joint;
 mod link;
 mod motion;
+mod robust;
 mod sweep;
 mod tables;
 mod tip;
@@ -20,7 +21,7 @@ mod words;
 pub use figure::{Figure, Figures};
 pub use fit::{FitReport, fit_page};
 
-use crate::result::StoredResult;
+use crate::store::StoredResult;
 use crate::text::visible_document;
 use view::View;
 
@@ -30,6 +31,7 @@ impl Figures {
         match result {
             StoredResult::Runs(runs) => run_figures(&View::of(runs)),
             StoredResult::Sweep(sweep) => sweep::sweep_figures(sweep),
+            StoredResult::Robust(study) => robust::robust_figures(study),
         }
     }
 }
@@ -39,10 +41,12 @@ pub fn page(result: &StoredResult, figures: &Figures) -> String {
     let document = match result {
         StoredResult::Runs(runs) => document::run_page(&View::of(runs), figures),
         StoredResult::Sweep(sweep) => sweep::sweep_page(sweep, figures),
+        StoredResult::Robust(study) => robust::robust_page(study, figures),
     };
     let link = match result {
         StoredResult::Runs(runs) => runs[0].links.first().map(|own| &own.link),
         StoredResult::Sweep(sweep) => sweep.links.first(),
+        StoredResult::Robust(study) => study.links.first(),
     };
     let document = document.into_string();
     visible_document(&match link {

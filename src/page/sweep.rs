@@ -4,14 +4,14 @@ use std::collections::HashSet;
 
 use maud::{Markup, html};
 
-use super::axis::{Axis, in_unit};
+use super::axis::{Axis, in_unit, raised};
 use super::colour_map::{ColourMap, Colours, Fields};
 use super::document::{FILES, Section, all_figures, document, inputs, made_by};
 use super::figure::{Curve, Figure, Figures, Stroke};
 use super::link::{link_drawing, link_readings};
 use super::tables::{readings, table};
 use super::view::nearest;
-use super::words::warning_meaning;
+use super::words::{GLOSSARY, warning_meaning};
 use crate::compare::{Cell, Table, TableColumn};
 use crate::link::{Joint, Link};
 use crate::result::StoredSweep;
@@ -49,8 +49,7 @@ impl<'a> Named<'a> {
     fn of(column: &'a TableColumn, si: &str) -> Self {
         let given = column.name().strip_suffix(']').and_then(|heading| heading.split_once(" ["));
         let (name, unit) = given.unwrap_or((column.name(), si));
-        let unit = unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴");
-        Self { column, name: name.to_owned(), unit }
+        Self { column, name: name.to_owned(), unit: raised(unit) }
     }
 
     /// Name and unit: `payload.mass in kg`.
@@ -424,7 +423,7 @@ pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
     sections.extend(
         (!sweep.links.is_empty()).then(|| Section::new("link", "Link", links(&sweep.links))),
     );
-    sections.push(Section::glossary());
+    sections.push(Section::glossary(&GLOSSARY));
     sections.push(Section::new("varied", "What is varied", varied_values(sweep)));
     sections.push(Section::new("cases", "Cases", cases_table(sweep)));
     sections.extend(sweep.origin.as_ref().map(inputs));
@@ -472,6 +471,13 @@ fn warnings(kinds: &[(String, usize, usize)], sweep: &StoredSweep) -> Markup {
 fn links(links: &[Link]) -> Markup {
     html! {
         p { "As in the first case." }
+        (links_drawn(links))
+    }
+}
+
+/// A link or the links of an arm, in a drawing and in numbers.
+pub(super) fn links_drawn(links: &[Link]) -> Markup {
+    html! {
         @if let [link] = links { figure class="drawing" { (link_drawing(link)) } }
         div class="columns" { @for (k, link) in links.iter().enumerate() {
             (readings(&(if links.len() > 1 { format!("Link {}", k + 1) } else { "Link".to_owned() }), &link_readings(link)))

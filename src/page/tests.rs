@@ -19,8 +19,9 @@ use crate::motion::{Profile, TipMotion};
 use crate::numeric::largest;
 use crate::result::{
     JointQuantity, Limits, Metrics, Notice, Origin, StoredArc, StoredInput, StoredJoint,
-    StoredLink, StoredNodes, StoredResult, StoredRun, StoredSweep,
+    StoredLink, StoredNodes, StoredRun, StoredSweep,
 };
+use crate::store::StoredResult;
 
 /// The paper's first example with a small mass and a payload, and a title full of traps.
 pub(super) fn link(viscous_friction_n_m_s_rad: f64) -> Link {

@@ -9,7 +9,8 @@ use super::view::View;
 use crate::link::{Damping, Joint, Link};
 use crate::numeric::largest;
 
-const GLOSSARY: [(&str, &str); 4] = [
+/// Words of a run, a sweep and a fit.
+pub(super) const GLOSSARY: [(&str, &str); 4] = [
     (
         "zero",
         "A number s, in 1/s, at which a torque that goes as exp(st) leaves the tip at rest. The page lists the real \
@@ -32,12 +33,29 @@ const GLOSSARY: [(&str, &str); 4] = [
     ),
 ];
 
+/// Words of a study of plants.
+pub(super) const MEASURES: [(&str, &str); 4] = [
+    (
+        "tip error",
+        "Largest |e| from the first sample of the command up to one period after the end of the motion; e: the tip \
+         less the wanted motion. The period is that of the lowest mode that rings: of the held joint if positions are \
+         played, of the free joint if torques are, of the loop with feedback.",
+    ),
+    ("rest vibration", "Half the range of e in the first period after the end of the motion."),
+    (
+        "drift",
+        "Mean of e in this period. A wrong mass lets the tip drift, a wrong stiffness hardly does.",
+    ),
+    ("settling", "Time after the end of the motion from which e stays within the band."),
+];
+
 /// Folded glossary of a page.
-pub(super) fn glossary() -> Markup {
+pub(super) fn glossary(words: &[(&str, &str)]) -> Markup {
+    let names: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
     html! {
         details {
-            summary { "zero, lead, lag, hysteretic" }
-            dl { @for (word, meaning) in GLOSSARY { dt { (word) } dd { (meaning) } } }
+            summary { (names.join(", ")) }
+            dl { @for (word, meaning) in words { dt { (word) } dd { (meaning) } } }
         }
     }
 }
@@ -136,6 +154,15 @@ pub(super) mod formula {
     pub(in crate::page) const LINK_DEFLECTION: &str = "\
         w = c sin β, c: length of the chord, β: its direction less that of the link's root, from the slope of the deflections \
         of the nodes.";
+    /// Formulas of a study of plants.
+    pub(in crate::page) const ENVELOPE: &str = "\
+        Smallest and largest e(t) of the drawn plants, e = v − v_wanted; of an arm of √((x − x_wanted)² + (y − y_wanted)²).";
+    pub(in crate::page) const STRAYS: &str = "\
+        Tip error: max |e| up to the time t₁ + P. Rest vibration: (max e − min e)/2 over t₁ … t₁ + P, of an arm half the \
+        largest distance of two e. Drift: |mean e| over t₁ … t₁ + P. e = v − v_wanted, t₁: end of the motion, P: period \
+        of the lowest mode that rings; all over the travel.";
+    pub(in crate::page) const SAMPLE: &str =
+        "The k-th smallest of n tip errors stands at the share (k − 1)/(n − 1).";
     /// Formulas of a fit.
     pub(in crate::page) const DIFFERENCES: &str = "(fitted − measured) / measured.";
     pub(in crate::page) const OVERLAY: &str = "\

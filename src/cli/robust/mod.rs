@@ -13,6 +13,7 @@ use crate::inverse::{Analysis, Solution};
 use crate::link::Arm;
 use crate::motion::{Shaper, Shaping};
 use crate::numeric::{Dimension, parse_quantity};
+use crate::page::{Figures, page};
 use crate::response::SimulationError;
 use crate::result::{Limits, Notice};
 use crate::robust::{
@@ -22,7 +23,7 @@ use crate::robust::{
 };
 use crate::spec::{LinkDocument, Override, SpecError, Specification, Uncertain};
 use crate::store::{
-    Fingerprint, FolderError, OutputFolder, RobustInputs, read_fitted, record_json, write_robust,
+    Fingerprint, REPORT, RobustFiles, RobustInputs, StoredResult, read_fitted, robust_json,
 };
 use crate::text::{shown_path, significant};
 
@@ -152,6 +153,10 @@ pub(crate) struct Robust {
     /// Folder for the results.
     #[arg(short, long, value_name = "DIR", default_value = "robust")]
     output: PathBuf,
+
+    /// Also write report.html, the page that `flexlink report` makes.
+    #[arg(long)]
+    report: bool,
 
     #[command(flatten)]
     sync: SyncArgs,
@@ -373,13 +378,22 @@ impl Robust {
             arguments: options.arguments(),
         };
         let record = studied.record(&inputs, solved.warnings());
-        studied.write(self.sync.stage(&self.output)?, &record, options.digits)?;
+        let files = studied.files(&record, options.digits);
+        let page = self.report.then(|| drawn(&files)).transpose()?;
+        files.write(self.sync.stage(&self.output)?, page.as_deref())?;
         let kinds: Vec<PlantKind> = studied.outcome.plants.iter().map(|own| own.kind).collect();
-        let written = || format!("3 files in {}", shown_path(&self.output));
+        let written = || self.written();
         let (arm, summary) = (&problem.specification.arm, &studied.summary);
         self.print.print(|| record.clone(), || robust_text(arm, summary, &kinds, written()))?;
         self.judge(summary)?;
         self.warnings.refuse(told + studied.warnings.len())
+    }
+
+    /// The written files in words.
+    fn written(&self) -> String {
+        let folder = format!("3 files in {}", shown_path(&self.output));
+        let page = || format!("\n{:9}{}", "", shown_path(&self.output.join(REPORT)));
+        folder + &self.report.then(page).unwrap_or_default()
     }
 
     /// Ends with exit code 4 under --strict if the tip error exceeds --allow, or a limit is exceeded.
@@ -402,7 +416,7 @@ impl Robust {
 
 /// A study that is done.
 pub struct Studied {
-    title: String,
+    arm: Arm,
     /// All plants.
     pub outcome: Robustness,
     /// Its numbers.
@@ -417,17 +431,12 @@ impl Studied {
     /// The content of summary.json, with these inputs and the warnings of the solution.
     pub fn record(&self, inputs: &RobustInputs, of_solution: Vec<Notice>) -> String {
         let warnings = [of_solution, self.warnings.clone()].concat();
-        record_json("robust", (&self.title, inputs), &self.summary, &warnings)
+        robust_json(&self.arm, inputs, &self.summary, &warnings)
     }
 
-    /// Writes the files of the study, with its record.
-    pub fn write(
-        &self,
-        folder: OutputFolder,
-        record: &str,
-        digits: Digits,
-    ) -> Result<(), FolderError> {
-        write_robust(folder, (record, &self.summary), (&self.outcome, &self.times_s), digits)
+    /// The files of the study, with its record.
+    pub fn files(&self, record: &str, digits: Digits) -> RobustFiles {
+        RobustFiles::of((record, &self.summary), (&self.outcome, &self.times_s), digits)
     }
 }
 
@@ -469,7 +478,7 @@ impl RobustOptions {
         );
         let times = 0..outcome.envelope_m[0].len();
         Ok(Studied {
-            title: problem.specification.arm.title().to_owned(),
+            arm: problem.specification.arm.clone(),
             times_s: times.map(|k| plays.quick.time_s(k)).collect(),
             warnings: self.warnings_of(&summary, &problem.specification.limits),
             outcome,
@@ -571,7 +580,11 @@ impl RobustOptions {
                 significant(found, 4),
                 significant(allowed, 4)
             );
-            warnings.push(Notice::new("not_robust", message, "see the line `helps`"));
+            warnings.push(Notice::new(
+                "not_robust",
+                message,
+                "know the first key better, or use another command that helps",
+            ));
         }
         warnings
     }
@@ -668,6 +681,12 @@ fn keys(
         return Err(Failure::new(Exit::Usage, &message, Some(hint)));
     }
     Ok((keys, fitted))
+}
+
+/// The page of a study, from its files.
+fn drawn(files: &RobustFiles) -> Result<String, Failure> {
+    let study = StoredResult::Robust(Box::new(files.stored()?));
+    Ok(page(&study, &Figures::of(&study)))
 }
 
 fn command_refused(error: &CommandError) -> Failure {

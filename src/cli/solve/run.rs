@@ -7,8 +7,9 @@ use clap::{Args, Parser};
 use crate::csv::{Digits, InputFile};
 use crate::inverse::Analysis;
 use crate::page::{Figures, page};
-use crate::result::StoredResult;
-use crate::store::{Durability, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
+use crate::store::{
+    Durability, OutputFolder, RunInputs, RunOutputs, RunTables, StoredResult, Summary,
+};
 use crate::verify::Verification;
 
 use crate::cli::options::common::{NodeArgs, digits_arguments};

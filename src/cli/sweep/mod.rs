@@ -14,11 +14,10 @@ use crate::cli::terminal::console::is_standard_output;
 use crate::cli::terminal::files::{
     keep_cases, keep_files, keep_from_cases, keep_record, read_once,
 };
-use crate::cli::terminal::text::counted;
 use crate::cli::terminal::{CaseBar, Exit, Failure, ThreadArgs, WarningArgs, console, interrupt};
 use crate::store::{NamedBy, SweepRows, sweep_header, sweep_row};
 use crate::sweep::{PlanError, Shard, SweepPlan, Variation, in_order};
-use crate::text::{excerpt, shown_path, visible};
+use crate::text::{counted, excerpt, shown_path, visible};
 use cases::{CaseArgs, Cases};
 use table::{EarlyEnd, OpenedTable, TableOutput, merge};
 use tally::Tally;

@@ -11,8 +11,8 @@ use crate::store::{
 use super::tally::Tally;
 use crate::cli::terminal::console::{self, Reader, is_standard_output};
 use crate::cli::terminal::files::{keep_files, keep_record, read_once};
-use crate::cli::terminal::text::counted;
 use crate::cli::terminal::{Exit, Failure};
+use crate::text::counted;
 
 /// Destination of the rows of a sweep.
 pub(crate) enum TableOutput {

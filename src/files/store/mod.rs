@@ -34,9 +34,9 @@ pub use json::{
 pub use learn::{LearnInputs, write_next};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use names::{REPORT, RunOutputs, SUMMARY, is_result_file};
-pub use read_result::{is_run, read_result, read_results};
+pub use read_result::{StoredResult, is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};
-pub use robust::{RobustInputs, plant_columns, read_fitted, write_robust};
+pub use robust::{RobustFiles, RobustInputs, plant_columns, read_fitted, robust_json};
 pub use run_summary::{Findings, PlayedRun, Simulated};
 pub use run_tables::{RunTables, write_solution};
 pub use summary::{RunInputs, STATIONS, SimulateFiles, Summary, verification_json};

@@ -9,19 +9,38 @@ use super::json::{Head, unreadable};
 use super::names::SUMMARY;
 use super::read_run::read_run;
 use super::read_tables::RunFolder;
-use super::summary::A_RUN;
+use super::robust::{COMMAND, RobustFiles};
+use super::summary::{A_RUN, RESULTS};
 use super::sweep::{is_sweep, read_sweep};
-use crate::csv::{InputError, InputFile, Place, TableError};
-use crate::result::{StoredResult, StoredRun};
+use crate::csv::{InputError, Place, TableError};
+use crate::result::{StoredRun, StoredSweep};
+use crate::robust::StoredRobust;
 
-/// Reads a result back: the folder of a run of `solve` or `simulate`, the table of a sweep, or a folder with one such
-/// table.
+/// A result from a folder or a file.
+#[derive(Debug, Clone)]
+pub enum StoredResult {
+    /// Folders of runs of `solve` or `simulate`. A page shows the first run. Runs of arms with equally many links may
+    /// stand beside it, for comparison.
+    Runs(Vec<StoredRun>),
+    /// The table of a sweep.
+    Sweep(Box<StoredSweep>),
+    /// The folder of a study of `robust`.
+    Robust(Box<StoredRobust>),
+}
+
+/// Reads a result back: the folder of a run of `solve` or `simulate` or of a study of `robust`, the table of a sweep, or
+/// a folder with one such table.
 ///
 /// # Errors
 /// [`TableError`] names the file and its missing, damaged or foreign part.
 pub fn read_result(path: &Path) -> Result<StoredResult, TableError> {
-    if path.join(SUMMARY).exists() {
-        return Ok(StoredResult::Runs(vec![read_run(RunFolder(path))?]));
+    let folder = RunFolder(path);
+    if folder.has(SUMMARY) {
+        if head(path).is_some_and(|head| head.command.as_deref() == Some(COMMAND)) {
+            let study = RobustFiles::read(folder)?.stored()?;
+            return Ok(StoredResult::Robust(Box::new(study)));
+        }
+        return Ok(StoredResult::Runs(vec![read_run(folder)?]));
     }
     let table = if path.is_dir() { only_sweep(path)? } else { path.to_owned() };
     Ok(StoredResult::Sweep(Box::new(read_sweep(&table)?)))
@@ -92,9 +111,8 @@ fn only_sweep(folder: &Path) -> Result<PathBuf, TableError> {
     let place = Place { file: &shown, line: None };
     match &sweeps[..] {
         [] => {
-            let hint = "name the folder of a run, or the table of a sweep";
             let error = place.refuse_whole(&format!("{SUMMARY} is missing: this is not {A_RUN}"));
-            Err(error.with_hint(hint.to_owned()))
+            Err(error.with_hint(RESULTS.to_owned()))
         }
         [only] => Ok(only.clone()),
         several => {
@@ -108,7 +126,11 @@ fn only_sweep(folder: &Path) -> Result<PathBuf, TableError> {
 
 /// Whether a folder has the summary of a run, of any version.
 pub fn is_run(folder: &Path) -> bool {
-    let file = InputFile::read(&folder.join(SUMMARY));
-    let head = file.ok().and_then(|file| serde_json::from_slice::<Head>(&file.bytes).ok());
-    head.is_some_and(|head| head.flexlink.is_some())
+    head(folder).is_some_and(|head| head.flexlink.is_some())
+}
+
+/// Head of the summary in a folder.
+fn head(folder: &Path) -> Option<Head> {
+    let file = RunFolder(folder).file(SUMMARY).ok()?;
+    serde_json::from_slice(&file.bytes).ok()
 }

@@ -17,7 +17,7 @@ use crate::text::is_hidden;
 pub(super) const TIME: &str = "time_s";
 
 /// End of a message on tables of two runs.
-const ONE_RUN: &str = "a folder holds one run";
+pub(super) const ONE_RUN: &str = "a folder holds one run";
 
 /// Largest difference of equal times in steps, more than their rounding.
 const TIME_TOLERANCE: f64 = 1e-6;

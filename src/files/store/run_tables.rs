@@ -314,8 +314,8 @@ fn order_of(
 /// `flexlink solve` writes; [`read_result`](super::read_result) reads it back.
 ///
 /// ```
-/// # use flexlink::{beam::MeshPlan, inverse::*, link::*, motion::Profile, result::StoredResult};
-/// use flexlink::store::{read_result, write_solution};
+/// # use flexlink::{beam::MeshPlan, inverse::*, link::*, motion::Profile};
+/// use flexlink::store::{StoredResult, read_result, write_solution};
 /// # let strip = Segment::uniform(1.5, 5.0, 0.8);
 /// # let link = Link::builder().segment(strip).hub_inertia_kg_m2(0.1).damping_ratio(0.02).build()?;
 /// # let motion = Profile::Sine.motion(0.5, 0.88, 100)?;

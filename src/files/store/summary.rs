@@ -16,7 +16,11 @@ use crate::result::{Check, Comparison, Limits, Notice, Origin};
 use crate::verify::Verification;
 
 /// Description of a run's folder in messages on missing files.
-pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simulate`";
+pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve`, `simulate` or `robust`";
+
+/// Remedy for another file or folder than a result.
+pub(super) const RESULTS: &str =
+    "name the folder of solve, simulate or robust, or the table of sweep";
 
 /// The option with places in m for nodes; the mesh of a run has nodes there.
 pub const STATIONS: &str = "--stations";

@@ -31,8 +31,7 @@ pub use quantities::{JointQuantity, QUANTITIES, Shown, Unit};
 pub use remark::{NO_DIRECTION, Remark};
 pub use stored::{
     LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArc, StoredCarriage, StoredInput,
-    StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSweep,
-    line_difference,
+    StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredRun, StoredSweep, line_difference,
 };
 pub use tip_error::{FollowedTarget, LateTarget, StoredTarget, TargetError, TipError, TipPlaces};
 pub use torque_table::TorqueTable;

@@ -19,16 +19,6 @@ use crate::motion::{Prescribed, TipMotionHistories};
 use crate::numeric::largest;
 use crate::response::SimulationWarning;
 
-/// A result from a folder or a file.
-#[derive(Debug, Clone)]
-pub enum StoredResult {
-    /// Folders of runs of `solve` or `simulate`. A page shows the first run. Runs of arms with equally many links may
-    /// stand beside it, for comparison.
-    Runs(Vec<StoredRun>),
-    /// The table of a sweep.
-    Sweep(Box<StoredSweep>),
-}
-
 /// The content of a run's folder. All histories have as many values as `times_s`, except those of nodes.
 #[derive(Debug, Clone)]
 pub struct StoredRun {

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::text::significant;
+
 /// Effect of a value on the link file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -30,13 +32,28 @@ pub struct Key {
 impl Key {
     /// Heading of its column: the path, `*` for a factor, and the unit in brackets.
     pub fn heading(&self) -> String {
-        let path = &self.path;
+        let (name, unit) = (self.name(), self.unit());
+        if unit.is_empty() { name } else { format!("{name} [{unit}]") }
+    }
+
+    /// Its name in a text: the path, with `*` for a factor.
+    pub fn name(&self) -> String {
+        let star = if self.how == How::Factor { "*" } else { "" };
+        format!("{}{star}", self.path)
+    }
+
+    /// Unit of its values; empty for a factor and in SI.
+    pub fn unit(&self) -> &str {
         match &self.how {
-            How::Factor => format!("{path}*"),
-            How::Delay => format!("{path} [s]"),
-            How::Value(unit) if unit.is_empty() => path.clone(),
-            How::Value(unit) => format!("{path} [{unit}]"),
+            How::Factor => "",
+            How::Delay => "s",
+            How::Value(unit) => unit,
         }
+    }
+
+    /// A value in its unit: `0.02000 kg`.
+    pub fn amount(&self, value: f64) -> String {
+        format!("{} {}", significant(value, 4), self.unit()).trim_end().to_owned()
     }
 
     /// The change of the link file to a value, in the form of `--set`; `None` for a delay.

@@ -17,4 +17,4 @@ pub use outcome::{
 };
 pub use plants::{Distribution, Sample, Values, corners};
 pub use strays::{Measure, Strays};
-pub use summary::{Help, PlayErrors, RobustSummary, WorstPlant};
+pub use summary::{Help, PlayErrors, RobustSummary, StoredRobust, WorstPlant, share_words};

@@ -45,6 +45,9 @@ pub enum PlantKind {
 }
 
 impl PlantKind {
+    /// All kinds, in the order of robust.csv.
+    pub const ALL: [Self; 5] = [Self::Nominal, Self::Key, Self::Corner, Self::Sample, Self::Search];
+
     /// Its word in robust.csv.
     pub fn word(self) -> &'static str {
         match self {

@@ -5,14 +5,21 @@ use serde::{Deserialize, Serialize};
 use super::command::{Command, Hold};
 use super::key::Key;
 use super::outcome::{KeyOutcome, OverLimit, PlantKind, Quantiles, Robustness};
-use super::plants::Sample;
+use super::plants::{Distribution, Sample};
 use super::strays::{Measure, Strays, below};
+use crate::compare::Table;
+use crate::link::Link;
+use crate::result::{Notice, Origin};
+use crate::text::{counted, significant};
 
 /// Share of a worst tip error above which the errors of the plays matter.
 const MATTERS: f64 = 0.01;
 
 /// Smallest error of the plays that matters, over the travel.
 const COUNTS: f64 = 1e-5;
+
+/// Largest tip error of a command that helps, over that of the study.
+const HELPS: f64 = 0.95;
 
 /// A plant with the largest of a measure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -55,8 +62,8 @@ pub struct Help {
 pub struct RobustSummary {
     /// Quantity that the drives hold.
     pub play: Hold,
-    /// Its name.
-    pub command: String,
+    /// Name of the command.
+    pub played: String,
     /// Gains of each joint's feedback.
     pub feedback: Vec<(f64, f64)>,
     /// Largest travel of the wanted tip in m.
@@ -114,7 +121,7 @@ impl RobustSummary {
         let settling_p95_s = settling.get(place).copied();
         Self {
             play: command.hold(),
-            command: name.to_owned(),
+            played: name.to_owned(),
             feedback,
             travel_m: command.travel_m,
             end_s: command.end_s,
@@ -148,4 +155,153 @@ impl RobustSummary {
     pub fn is_coarse(&self) -> bool {
         self.errors.play_m > (MATTERS * self.worst_m()).max(COUNTS * self.travel_m)
     }
+
+    /// The keys by their share of the tip error, the largest first.
+    pub fn by_share(&self) -> Vec<&KeyOutcome> {
+        let mut keys: Vec<&KeyOutcome> = self.keys.iter().collect();
+        keys.sort_by(|a, b| b.share.total_cmp(&a.share));
+        keys
+    }
+
+    /// The other commands by their tip error, the smallest first, and the number of those that help.
+    pub fn by_help(&self) -> (Vec<&Help>, usize) {
+        let mut help: Vec<&Help> = self.help.iter().collect();
+        help.sort_by(|a, b| a.tip_error_m.total_cmp(&b.tip_error_m));
+        let helps = help.iter().filter(|own| own.tip_error_m < HELPS * self.worst_m()).count();
+        (help, helps)
+    }
+}
+
+/// Numbers as texts, in the words of a hub.
+impl RobustSummary {
+    /// A length as a share of the travel: `2.3 %`.
+    pub fn percent(&self, m: f64) -> String {
+        format!("{} %", significant(100.0 * m / self.travel_m, 3))
+    }
+
+    /// The same with the length: `2.3 % (0.0115 m)`.
+    pub fn both(&self, m: f64) -> String {
+        format!("{} ({} m)", self.percent(m), significant(m, 3))
+    }
+
+    /// A quantile as a share of the travel with its standard error: `2.47 ± 0.06 %`.
+    pub fn quantile(&self, [at_m, error_m]: [f64; 2]) -> String {
+        let [at, error] = [at_m, error_m].map(|m| 100.0 * m / self.travel_m);
+        format!("{} ± {} %", significant(at, 3), significant(error, 1))
+    }
+
+    /// The played quantity: `torque of solve, without feedback`.
+    pub fn played_words(&self, is_arm: bool) -> String {
+        let of = match &*self.played {
+            "inverse" => "of solve".to_owned(),
+            "rigid" => "of rigid links".to_owned(),
+            shaper => format!("of rigid links, shaped by {shaper}"),
+        };
+        match self.play {
+            Hold::Position if is_arm => format!("angles of the joints {of}, held exactly"),
+            Hold::Position => format!("hub angle {of}, held exactly"),
+            Hold::Effort => format!("torque {of}, without feedback"),
+            Hold::Feedback => {
+                let gains = self.feedback.iter().map(|(kp, kd)| format!("{kp},{kd}"));
+                format!("torque {of}, with feedback {}", gains.collect::<Vec<_>>().join(","))
+            }
+        }
+    }
+
+    /// The plants in parts, from the number of each kind.
+    pub fn plants_words(&self, count: impl Fn(PlantKind) -> usize) -> Vec<String> {
+        let drawn = match (&self.sample.fitted, self.sample.distribution) {
+            (Some(_), _) => "from the fit",
+            (None, Distribution::Uniform) => "uniform",
+            (None, Distribution::Normal) => "normal",
+        };
+        let mut parts = vec![
+            format!("{} in all", self.plants),
+            format!("{} on {}", count(PlantKind::Key), counted(self.keys.len(), "key")),
+            counted(count(PlantKind::Corner), "corner"),
+        ];
+        if self.sample.runs > 0 {
+            let seed = self.sample.seed;
+            parts.push(format!("{} drawn ({drawn}, seed {seed})", self.sample.runs));
+        }
+        if self.drawn_again > 0 {
+            parts.push(format!("{} drawn again", self.drawn_again));
+        }
+        parts
+    }
+
+    /// Values of the keys of a plant; empty for the link of the file.
+    pub fn values_words(&self, values: &[Option<f64>]) -> Vec<String> {
+        let pairs = self.keys().zip(values);
+        let value = |(key, own): (&Key, &Option<f64>)| {
+            Some(format!("{} = {}", key.name(), key.amount((*own)?)))
+        };
+        pairs.filter_map(value).collect()
+    }
+
+    /// How the sample settles, in two parts; `None` without a sample.
+    pub fn settling_words(&self) -> Option<[String; 2]> {
+        let band = self.both(self.band_m);
+        let parts = match self.settling_p95_s {
+            Some(after_s) => [
+                format!("95 % of the drawn plants stay within {band}"),
+                format!("from {} s after the motion on", significant(after_s, 3)),
+            ],
+            None => [
+                format!("more than 5 % of the drawn plants do not stay within {band}"),
+                "in 10 periods after the motion".to_owned(),
+            ],
+        };
+        (self.sample.runs > 0).then_some(parts)
+    }
+
+    /// Errors of the plays, in parts.
+    pub fn errors_words(&self) -> Vec<String> {
+        let share = |m: f64| format!("{:.1e}", m / self.travel_m);
+        let PlayErrors { common_m, play_m } = self.errors;
+        let play =
+            format!("plays {} of the travel (nominal and worst plant, in full)", share(play_m));
+        let common = (common_m > 0.0).then(|| {
+            let common = share(common_m);
+            format!("{common} taken off: the nominal link, as its damping differs in time")
+        });
+        std::iter::once(play).chain(common).collect()
+    }
+}
+
+impl OverLimit {
+    /// The share of the sample over the limit, as a sentence.
+    pub fn words(&self) -> String {
+        let joint = self.joint.map_or(String::new(), |joint| format!("joint {}: ", joint + 1));
+        let [limit, largest] = [self.limit, self.largest].map(|number| significant(number, 4));
+        let (share, key, unit) = (share_words(self.share), &self.key, &self.unit);
+        format!(
+            "{joint}{share} of the drawn plants exceed {key} = {limit} {unit} (up to {largest})"
+        )
+    }
+}
+
+/// A share of a whole: `68 %`.
+pub fn share_words(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 2))
+}
+
+/// A study read back from its folder.
+#[derive(Debug, Clone)]
+pub struct StoredRobust {
+    /// Version, files and arguments of the study.
+    pub origin: Origin,
+    /// The link of the file, or the links of its arm.
+    pub links: Vec<Link>,
+    /// Its numbers.
+    pub summary: RobustSummary,
+    /// Its warnings.
+    pub warnings: Vec<Notice>,
+    /// A row for each plant: its kind, its values, tip error and rest vibration over the travel, drift in m, settling
+    /// time in s.
+    pub plants: Table,
+    /// Times of the envelope in s.
+    pub times_s: Vec<f64>,
+    /// Lowest and highest error of the sample in m at these times; of an arm sizes.
+    pub envelope_m: [Vec<f64>; 2],
 }

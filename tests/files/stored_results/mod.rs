@@ -15,8 +15,8 @@ mod words;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use flexlink::result::{StoredResult, StoredRun, StoredSweep};
-use flexlink::store::read_result;
+use flexlink::result::{StoredRun, StoredSweep};
+use flexlink::store::{StoredResult, read_result};
 
 use bench::Bench;
 use words::Words;

@@ -2,7 +2,7 @@
 
 use super::{Bench, PAPER};
 
-const A_RUN: &str = "this is not the folder of a run of `flexlink solve` or `simulate`";
+const A_RUN: &str = "this is not the folder of a run of `flexlink solve`, `simulate` or `robust`";
 const ONE_RUN: &str = "a folder holds one run";
 
 /// A run of solve in `out`, with all of its tables.
@@ -74,7 +74,7 @@ fn a_missing_file_is_told_by_its_name() {
 fn a_foreign_folder_and_a_path_of_nothing_are_refused() {
     let bench = Bench::new();
     std::fs::create_dir(bench.path("none")).unwrap();
-    let too = "name the folder of a run, or the table of a sweep";
+    let too = "name the folder of solve, simulate or robust, or the table of sweep";
     let empty = (format!("none: summary.json is missing: {A_RUN}"), Some(too.to_owned()));
     assert_eq!(bench.refusal("none"), empty);
     bench.write("none/data.csv", "a,b\n1,2\n");

@@ -61,7 +61,7 @@ fn what_is_no_sweep_or_several_is_refused() {
     assert_eq!(bench.refusal("s"), (several.into(), hint("name the file of one of them")));
     bench.write("t.csv", "time_s,torque_n_m\n0,1\n");
     let foreign = format!("t.csv: columns = \"time_s,torque_n_m\", but {KINDS}");
-    let folder = hint("of a run of solve or simulate, give the folder");
+    let folder = hint("name the folder of solve, simulate or robust, or the table of sweep");
     assert_eq!(bench.refusal("t.csv"), (foreign, folder.clone()));
     bench.write("summary.json", "{\n  \"flexlink\": \"0.1.0\",\n  \"command\": \"solve\"\n}\n");
     assert_eq!(bench.refusal("summary.json").1, folder);

@@ -8,12 +8,7 @@ use crate::compare::{
 };
 use crate::result::{LineDifference, Repeated, RepeatedFile};
 use crate::store::GoldenChanges;
-use crate::text::{shown_path, significant, visible};
-
-/// A number of things, in singular or plural.
-pub(crate) fn counted(number: usize, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
-}
+use crate::text::{counted, shown_path, significant, visible};
 
 /// Largest number of listed columns for one file; `--json` lists all.
 const MOST_COLUMNS: usize = 20;

@@ -1,12 +1,11 @@
 //! Summary from `learn`.
 
-use super::compare::counted;
 use super::lines::{LABEL, labelled};
 use crate::learn::LearnSummary;
 use crate::link::Arm;
 use crate::numeric::largest;
 use crate::robust::Hold;
-use crate::text::significant;
+use crate::text::{counted, significant};
 
 /// Offset before the motion, over the travel, that is told.
 const TOLD: f64 = 1e-3;

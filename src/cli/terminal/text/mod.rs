@@ -9,7 +9,7 @@ mod robust;
 mod solve;
 mod tables;
 
-pub(crate) use compare::{blessed_text, comparison_text, counted, repetition_text};
+pub(crate) use compare::{blessed_text, comparison_text, repetition_text};
 pub(crate) use fit::fit_text;
 pub(crate) use learn::learn_text;
 pub(crate) use lines::{memory_text, rows_text};

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use super::super::files::{NamedBy, is_stream, record_beside, write_file};
 use super::super::folder::{Durability, FolderError};
 use super::super::json::{Fingerprint, unreadable};
+use super::super::summary::RESULTS;
 use super::identity::{SweepIdentity, is_record};
 use super::table::{ERROR, WARNINGS};
 use crate::compare::{Cell, Table};
@@ -20,9 +21,6 @@ use crate::sweep::SweepKind;
 /// The first column after the varied values: of a link, and of an arm.
 const FIRST: &str = "period_1_s";
 const FIRST_OF_ARM: &str = "zero_1_per_s";
-
-/// Hint for a file other than the table of a sweep.
-const THE_FOLDER: &str = "of a run of solve or simulate, give the folder";
 
 /// Bytes of the longest readable row of names.
 const LONGEST_HEADER: u64 = 1 << 20;
@@ -133,8 +131,8 @@ pub(in crate::files::store) fn read_sweep(path: &Path) -> Result<StoredSweep, Ta
     let file = &InputFile::read(path).map_err(|error| unreadable(&error))?;
     let table = read_table(&file.shown, &file.bytes);
     let is_table = file.name.to_lowercase().ends_with(".csv") || file.name == "-";
-    let mut table = table
-        .map_err(|error| if is_table { error } else { error.or_hint(THE_FOLDER.to_owned()) })?;
+    let mut table =
+        table.map_err(|error| if is_table { error } else { error.or_hint(RESULTS.to_owned()) })?;
     // That of a shard.
     table.columns.pop_if(|column| column.name() == CHECK);
     let place = Place { file: &file.shown, line: None };
@@ -159,7 +157,7 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     if varied == 0 {
         let must = format!("must be those of a sweep: values varied, {FIRST}, …, {ERROR}");
         let error = place.refuse("columns", quoted(&names.join(",")), must);
-        return Err(error.with_hint(THE_FOLDER.to_owned()));
+        return Err(error.with_hint(RESULTS.to_owned()));
     }
     let joints = joints_of(names);
     let slides = names.contains(&"peak_force_n")
