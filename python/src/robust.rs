@@ -194,16 +194,13 @@ impl Robustness {
     }
 
     /// Quantiles of ``tip_error``, ``rest_vibration`` and ``drift`` over the sample: ``median_m``, ``p95_m`` and ``p99_m``, each
-    /// with its standard error. None without a sample.
+    /// with its standard error, None where few plants lie beyond. None without a sample.
     #[getter]
     fn quantiles<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some(quantiles) = self.studied.summary.quantiles else { return Ok(None) };
         let of_measure = |(measure, own): (Measure, Quantiles)| {
             let three = [("median_m", own.median_m), ("p95_m", own.p95_m), ("p99_m", own.p99_m)];
-            Ok((
-                name(measure),
-                three.map(|(name, [at, error])| (name, (at, error))).into_py_dict(py)?,
-            ))
+            Ok((name(measure), three.into_py_dict(py)?))
         };
         let all = Measure::ALL.into_iter().zip(quantiles).map(of_measure);
         Ok(Some(all.collect::<PyResult<Vec<_>>>()?.into_py_dict(py)?))

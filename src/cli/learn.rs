@@ -43,6 +43,10 @@ Example:
   flexlink learn link.toml motion.csv camera.csv \\
       --play position --uncertain 'payload.mass=±20 g'";
 
+/// Smallest error that counts, over the travel, and by how much it must exceed that of all links within the intervals.
+const SEEN: f64 = 1e-4;
+const BEYOND: f64 = 1.2;
+
 /// Quantity that the drives hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Holds {
@@ -277,7 +281,8 @@ impl LearnOptions {
             (&band, &correction),
             (&next, hold),
         );
-        let warnings = self.warnings_of(&next, limits, arm);
+        let mut warnings = self.warnings_of(&next, limits, arm);
+        warnings.extend(beyond(&summary));
         Ok(Step { arm: arm.clone(), hold, next, summary, warnings })
     }
 
@@ -401,7 +406,7 @@ impl LearnOptions {
         })
     }
 
-    /// Warnings of the next table.
+    /// Warnings of limits that the next table exceeds.
     fn warnings_of(&self, next: &Table, limits: &[Limits], arm: &Arm) -> Vec<Notice> {
         let warning = |(number, columns): (usize, &Vec<Vec<f64>>)| {
             let limit = limits.get(number)?.of("torque")?;
@@ -431,4 +436,17 @@ impl LearnOptions {
         ]
         .concat()
     }
+}
+
+/// The warning of an error that no link within the intervals makes.
+fn beyond(summary: &LearnSummary) -> Option<Notice> {
+    let [found_m, possible_m] = summary.in_band_rms_m;
+    let is_seen = found_m > SEEN * summary.travel_m && found_m > BEYOND * possible_m;
+    let [found, possible] =
+        [found_m, possible_m].map(|own_m| significant(100.0 * own_m / summary.travel_m, 3));
+    let message = format!(
+        "the error is {found} % rms in the band, but links within the intervals make at most {possible} % under the answer of solve"
+    );
+    let hint = "another value is off, such as friction, or the measurement: name it with --uncertain, or measure and fit it";
+    is_seen.then(|| Notice::new("beyond_intervals", message, hint))
 }

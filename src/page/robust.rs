@@ -187,7 +187,7 @@ fn sample(study: &StoredRobust) -> Result<Figure, String> {
     );
     let [of_tip, ..] = quantiles;
     let marks = [(of_tip.median_m, "50 %"), (of_tip.p95_m, "95 %"), (of_tip.p99_m, "99 %")];
-    let marks = marks.map(|([at_m, _], label)| {
+    let marks = marks.map(|((at_m, _), label)| {
         let at = percent(study, at_m);
         (Some(at), format!("{label} below {} %", significant(at, 3)))
     });

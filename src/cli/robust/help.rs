@@ -6,7 +6,9 @@ use rayon::prelude::*;
 
 use crate::inverse::{Resources, Solution, invert_motion};
 use crate::motion::{Ends, Motion, MotionColumns, MotionScale, Shaper, Shaping, TipMotion};
-use crate::robust::{Command, Help, Histories, Hold, How, Measure, Robustness, Strays, Thinned};
+use crate::robust::{
+    Help, Histories, Hold, How, Measure, Robustness, Strays, Thinned, directions_rad,
+};
 use crate::spec::Specification;
 use crate::text::significant;
 
@@ -23,6 +25,10 @@ const STEPS: u8 = 100;
 
 /// Amplitude at the mode that rings, over that of the motion, below which a longer motion is quiet.
 const QUIET: f64 = 0.2;
+
+/// Frequency of the held joints over that of a joint on feedback, and its damping ratio.
+const SLOWER: f64 = 3.0;
+const DAMPED: f64 = 0.7;
 
 /// A study whose command is to be compared with others.
 struct Compared<'a> {
@@ -54,17 +60,19 @@ impl RobustOptions {
             .filter_map(|hold| {
                 let (histories, end_s) = self.histories(problem, solution, hold).ok()?;
                 let what = format!("--play {}", hold.name());
-                compared.played(what, solution, (&histories, end_s), hold)
+                compared.played(what, solution, (&histories, end_s), (hold, &[]))
             })
             .collect();
+        let own = self.gains(&problem.specification.arm).unwrap_or_default();
+        help.extend((self.hold() == Hold::Effort).then(|| compared.fed_back(solution)).flatten());
         if self.played == Played::Inverse {
             let period_s = outcome.plants[0].strays.period_s;
-            let motions = period_s.map(|period_s| Compared::motions(solution, TAU / period_s));
+            let motions = period_s.map(|period_s| compared.motions(solution, TAU / period_s));
             help.extend(motions.into_iter().flatten().filter_map(|(what, motion)| {
                 let solution = compared.inverted(&motion)?;
                 let histories = Histories::of(&solution, false);
                 let end_s = solution.grid.time_s(solution.moving.1);
-                compared.played(what, &solution, (&histories, end_s), self.hold())
+                compared.played(what, &solution, (&histories, end_s), (self.hold(), &own))
             }));
         }
         help
@@ -73,10 +81,17 @@ impl RobustOptions {
 
 impl Compared<'_> {
     /// Shaped and longer motions, for the mode that rings.
-    fn motions(solution: &Solution, omega_rad_s: f64) -> Vec<(String, Motion)> {
+    fn motions(&self, solution: &Solution, omega_rad_s: f64) -> Vec<(String, Motion)> {
         let motion = &solution.motion;
         let lasts_s = motion.grid().duration_s();
-        let shaped = Shaper::new(Shaping::Zv, omega_rad_s, 0.0).and_then(|shaper| {
+        // `trajectory` knows the modes of held and of free joints, but not those of a loop.
+        let of = match self.options.hold() {
+            Hold::Position => Some("held"),
+            Hold::Effort => Some("free"),
+            Hold::Feedback => None,
+        };
+        let shaper = of.and_then(|of| Some((of, Shaper::new(Shaping::Zv, omega_rad_s, 0.0)?)));
+        let shaped = shaper.and_then(|(of, shaper)| {
             // The path of an arm would leave its line.
             let tip = motion.tip().filter(|tip| tip.ends() == Ends::AtRest)?;
             let grid = solution.grid;
@@ -92,7 +107,8 @@ impl Compared<'_> {
             let angles = tip.target(grid.time_s(0), grid.end_s()).start_angle_rad();
             let own = TipMotion::new(columns).ok().filter(|_| angles.is_none())?;
             let more = significant(shaper.duration_s(), 3);
-            Some((format!("trajectory --shape zv, {more} s longer"), Motion::Tip(own)))
+            let what = format!("trajectory --shape zv --of {of}, {more} s longer");
+            Some((what, Motion::Tip(own)))
         });
         let longer = quiet_factor(solution, omega_rad_s).and_then(|duration| {
             let scale = MotionScale { distance: 1.0, duration };
@@ -102,6 +118,29 @@ impl Compared<'_> {
             Some((format!("--scale-duration {factor}, {lasts} s"), own))
         });
         shaped.into_iter().chain(longer).collect()
+    }
+
+    /// The same efforts with feedback of usual gains: each joint alone, with its links rigid, turns at a third of the lowest
+    /// frequency of the held joints, with a damping ratio of 0.7.
+    fn fed_back(&self, solution: &Solution) -> Option<Help> {
+        let Specification { arm, meshes, .. } = &self.problem.specification;
+        let (histories, end_s) =
+            self.options.histories(self.problem, solution, Hold::Position).ok()?;
+        let histories = (&histories, end_s);
+        let held = (Hold::Position, &[][..], Thinned::Yes);
+        let held = RobustOptions::command(self.problem, solution, histories, held).ok()?;
+        let held = held.plant((arm, meshes), (0.0, 1.0, end_s), &[]).ok()?.rings?;
+        let omega_rad_s = held.omega_rad_s() / SLOWER;
+        let two_digits = |gain: f64| significant(gain, 2).parse::<f64>().ok();
+        let gains_of = |inertia: f64| {
+            let stiffness = two_digits(inertia * omega_rad_s * omega_rad_s)?;
+            Some((stiffness, two_digits(2.0 * DAMPED * inertia * omega_rad_s)?))
+        };
+        let inertias = arm.joint_inertias(&directions_rad(solution, 0));
+        let gains: Vec<(f64, f64)> = inertias.into_iter().map(gains_of).collect::<Option<_>>()?;
+        let words: Vec<String> = gains.iter().map(|(kp, kd)| format!("{kp},{kd}")).collect();
+        let what = format!("--feedback {}", words.join(","));
+        self.played(what, solution, histories, (Hold::Feedback, &gains))
     }
 
     fn inverted(&self, motion: &Motion) -> Option<Solution> {
@@ -116,11 +155,11 @@ impl Compared<'_> {
         what: String,
         solution: &Solution,
         histories: (&Histories, f64),
-        hold: Hold,
+        (hold, gains): (Hold, &[(f64, f64)]),
     ) -> Option<Help> {
         let Specification { arm, meshes, .. } = &self.problem.specification;
-        let how = (hold, Thinned::Yes);
-        let command: Command = self.options.command(self.problem, solution, histories, how).ok()?;
+        let how = (hold, gains, Thinned::Yes);
+        let command = RobustOptions::command(self.problem, solution, histories, how).ok()?;
         let command = command.refined(arm, meshes).ok()?;
         let end_s = command.end_s;
         let nominal = command.plant((arm, meshes), (0.0, 1.0, end_s), &[]).ok()?;

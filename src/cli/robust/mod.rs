@@ -3,6 +3,7 @@
 mod help;
 
 use std::collections::BTreeSet;
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -10,7 +11,8 @@ use clap::{Args, ValueEnum};
 use crate::csv::{Digits, InputFile};
 use crate::elastica::SecondOrder;
 use crate::inverse::{Analysis, Solution};
-use crate::link::Arm;
+use crate::link::{Arm, ArmLink, Damping};
+use crate::model::KeptModes;
 use crate::motion::{Shaper, Shaping};
 use crate::numeric::{Dimension, parse_quantity};
 use crate::page::{Figures, page};
@@ -18,14 +20,14 @@ use crate::response::SimulationError;
 use crate::result::{Limits, Notice};
 use crate::robust::{
     Command, CommandError, Distribution, Fitted, Histories, Hold, How, Key, Plant, PlantError,
-    PlantKind, PlantTip, PlayErrors, RobustSummary, Robustness, Sample, Study, Thinned, Values,
-    corners,
+    PlantKind, PlantTip, PlayErrors, Quantiles, RobustSummary, Robustness, Sample, Study, Thinned,
+    Values, corners,
 };
 use crate::spec::{LinkDocument, Override, SpecError, Specification, Uncertain};
 use crate::store::{
     Fingerprint, REPORT, RobustFiles, RobustInputs, StoredResult, read_fitted, robust_json,
 };
-use crate::text::{shown_path, significant};
+use crate::text::{given, shown_path, significant};
 
 use super::problem::Problem;
 use super::simulate::refusal;
@@ -189,7 +191,7 @@ pub struct RobustOptions {
 
     /// Gains of each joint's feedback around its motion in solve, KP in N m/rad (N/m) and KD in
     /// N m s/rad (N s/m), as in simulate.
-    #[arg(long, value_name = "KP,KD", value_parser = gains, allow_negative_numbers = true)]
+    #[arg(long, value_name = "KP,KD", value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<Gains>,
 
     /// Command of the drives: the answer of solve, or for comparison that of rigid links, as it is or shaped by zv, zvd,
@@ -214,8 +216,8 @@ pub struct RobustOptions {
     band: Amount,
 
     /// Largest tip error that 95 % of the drawn plants may have: a share of the travel, or a length. Beyond it a warning,
-    /// with --strict exit code 4.
-    #[arg(long, value_name = "AMOUNT", value_parser = amount)]
+    /// with --strict exit code 4. Where fewer than 100 are drawn, the worst tip error of all counts.
+    #[arg(long, value_name = "AMOUNT", value_parser = amount, allow_hyphen_values = true)]
     allow: Option<Amount>,
 
     /// Digits: the last one is 10^-N of a column's peak, or `full`.
@@ -243,6 +245,15 @@ fn amount(text: &str) -> Result<Amount, String> {
         metres.and_then(above_zero).map(Amount::Metres)
     };
     amount.ok_or_else(must)
+}
+
+impl fmt::Display for Amount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Share(share) => write!(f, "{}%", given(100.0 * share)),
+            Self::Metres(metres) => write!(f, "{} m", given(*metres)),
+        }
+    }
 }
 
 impl Amount {
@@ -480,7 +491,7 @@ impl RobustOptions {
         Ok(Studied {
             arm: problem.specification.arm.clone(),
             times_s: times.map(|k| plays.quick.time_s(k)).collect(),
-            warnings: self.warnings_of(&summary, &problem.specification.limits),
+            warnings: self.warnings_of((&outcome, &summary), &problem.specification.limits),
             outcome,
             summary,
         })
@@ -496,17 +507,15 @@ impl RobustOptions {
 
     /// The command of these histories, which end at `end_s`, with a hold.
     fn command(
-        &self,
         problem: &Problem,
         solution: &Solution,
         histories: (&Histories, f64),
-        (hold, thinned): (Hold, Thinned),
+        (hold, gains, thinned): (Hold, &[(f64, f64)], Thinned),
     ) -> Result<Command, Failure> {
         let Specification { arm, analysis, .. } = &problem.specification;
-        let gains = if hold == Hold::Feedback { self.gains(arm)? } else { Vec::new() };
         let order = analysis.second_order_of(&arm.links()[0].link);
         let is_large = order != SecondOrder::None;
-        Command::of(solution, histories, (hold, &gains), (thinned, is_large))
+        Command::of(solution, histories, (hold, gains), (thinned, is_large))
             .map_err(|error| command_refused(&error))
     }
 
@@ -521,7 +530,8 @@ impl RobustOptions {
         let end_s = solution.grid.time_s(solution.moving.1);
         let Some(shaping) = self.played.shaping() else { return Ok((histories, end_s)) };
         let Specification { arm, meshes, .. } = &problem.specification;
-        let command = self.command(problem, solution, (&histories, end_s), (hold, Thinned::Yes))?;
+        let how = (hold, &self.gains(arm)?[..], Thinned::Yes);
+        let command = Self::command(problem, solution, (&histories, end_s), how)?;
         let nominal = command.plant((arm, meshes), (0.0, 1.0, end_s), &[]);
         let rings = nominal.map_err(|error| not_played(&error, arm))?.rings;
         let shaper = rings
@@ -535,12 +545,14 @@ impl RobustOptions {
 
     /// Both commands of this study, less the common error of the exact inverse.
     fn plays(&self, problem: &Problem, solution: &Solution) -> Result<Plays, Failure> {
-        let Specification { arm, meshes, limits, .. } = &problem.specification;
-        self.gains(arm)?;
+        let Specification { arm, meshes, limits, analysis, .. } = &problem.specification;
+        let gains = self.gains(arm)?;
         let not_played = |error| not_played(&error, arm);
         let (histories, end_s) = self.histories(problem, solution, self.hold())?;
-        let command =
-            |thinned| self.command(problem, solution, (&histories, end_s), (self.hold(), thinned));
+        let command = |thinned| {
+            let how = (self.hold(), &gains[..], thinned);
+            Self::command(problem, solution, (&histories, end_s), how)
+        };
         let quick = command(Thinned::Yes)?.refined(arm, meshes).map_err(not_played)?;
         let whole = command(Thinned::No)?;
         let band_m = self.band.metres(quick.travel_m);
@@ -548,7 +560,12 @@ impl RobustOptions {
         let nominal = quick.plant((arm, meshes), (0.0, band_m, quick.end_s), limits);
         let PlantTip { strays, error_m, .. } = nominal.map_err(not_played)?;
         let least_s = quick.time_s(error_m[0].len() - 1);
-        if self.played != Played::Inverse {
+        // The law of damping alone is no error of the link; left-out modes are.
+        let is_hysteretic =
+            |own: &ArmLink| matches!(own.link.damping(), Damping::Hysteretic { .. });
+        let differs =
+            arm.links().iter().any(is_hysteretic) && analysis.kept_modes() == KeptModes::All;
+        if self.played != Played::Inverse || !differs {
             return Ok(Plays { quick, whole, band_m, least_s, common_m: 0.0 });
         }
         let checked = whole.checked((arm, meshes), (0.0, band_m), strays.period_s);
@@ -558,7 +575,11 @@ impl RobustOptions {
     }
 
     /// Warnings of the study.
-    fn warnings_of(&self, summary: &RobustSummary, limits: &[Limits]) -> Vec<Notice> {
+    fn warnings_of(
+        &self,
+        (outcome, summary): (&Robustness, &RobustSummary),
+        limits: &[Limits],
+    ) -> Vec<Notice> {
         let mut warnings = Vec::new();
         let is_known = |key: &str| summary.over_limits.iter().any(|own| own.key == key);
         let unknown = limits.iter().flat_map(|own| own.keys().filter(|key| !is_known(key)));
@@ -568,18 +589,25 @@ impl RobustOptions {
             let hint = "`flexlink solve` compares it on the link of the file";
             warnings.push(Notice::new("limit_not_played", message, hint));
         }
+        for key in outcome.idle_keys() {
+            let message = format!("{} changes nothing in these plays", key.name());
+            let hint = "leave it out, or play what it acts on: --play position, effort or feedback";
+            warnings.push(Notice::new("key_without_effect", message, hint));
+        }
+        if self.played == Played::Inverse && summary.errors.common_m > summary.worst_m() {
+            let message = "the error of damping that is taken off exceeds the worst tip error";
+            let hint = "state how the link is damped in time: damping = { model = \"rayleigh\", beta = … }";
+            warnings.push(Notice::new("damping_differs", message, hint));
+        }
         if summary.is_coarse() {
             let share = summary.errors.play_m / summary.worst_m();
             let message = format!("the plays are off by {share:.1e} of the worst tip error");
             let hint = "use a finer step of the motion, or mesh.elements";
             warnings.push(Notice::new("coarse_plays", message, hint));
         }
-        if let Some((found, allowed)) = self.beyond(summary) {
-            let message = format!(
-                "the 95 % quantile of the tip error = {} m, but --allow is {} m",
-                significant(found, 4),
-                significant(allowed, 4)
-            );
+        if let Some((what, found, allowed)) = self.beyond(summary) {
+            let [found, allowed] = [found, allowed].map(|own| significant(own, 4));
+            let message = format!("{what} = {found} m, but --allow is {allowed} m");
             warnings.push(Notice::new(
                 "not_robust",
                 message,
@@ -589,11 +617,17 @@ impl RobustOptions {
         warnings
     }
 
-    /// The 95 % quantile of the tip error, or without a sample its worst, and the allowed error in m, if it exceeds it.
-    fn beyond(&self, summary: &RobustSummary) -> Option<(f64, f64)> {
+    /// The 95 % quantile of the tip error, or its worst where the sample is too small for it, and the allowed error in m, if it
+    /// exceeds it.
+    fn beyond(&self, summary: &RobustSummary) -> Option<(&'static str, f64, f64)> {
         let allowed_m = self.allow?.metres(summary.travel_m);
-        let found_m = summary.quantiles.map_or(summary.worst_m(), |[tip, ..]| tip.p95_m[0]);
-        (found_m > allowed_m).then_some((found_m, allowed_m))
+        let (what, found_m) = match summary.quantiles {
+            Some([Quantiles { p95_m: (p95_m, Some(_)), .. }, ..]) => {
+                ("the 95 % quantile of the tip error", p95_m)
+            }
+            _ => ("the worst tip error", summary.worst_m()),
+        };
+        (found_m > allowed_m).then_some((what, found_m, allowed_m))
     }
 
     /// The arguments, for the record.
@@ -608,7 +642,9 @@ impl RobustOptions {
             .chain(gains)
             .chain(option("--command", self.played.name()))
             .chain(option("--runs", self.runs))
-            .chain(option("--seed", self.seed));
+            .chain(option("--seed", self.seed))
+            .chain(option("--band", self.band))
+            .chain(self.allow.into_iter().flat_map(|allow| option("--allow", allow)));
         let normal =
             (self.distribution == Distributed::Normal).then(|| option("--distribution", "normal"));
         let own = own.chain(normal.into_iter().flatten()).collect();
@@ -636,10 +672,9 @@ impl RobustOptions {
             (Some(gains), _) if gains.len() == 1 => Ok(vec![gains[0]; joints]),
             (Some(gains), _) if gains.len() == joints => Ok(gains.clone()),
             (Some(gains), _) => {
-                let found = gains.len();
-                refuse(&format!(
-                    "--feedback = {found} pairs, but must be 1, or {joints}, one for each joint"
-                ))
+                let (found, each) = (gains.len(), format!(", or {joints}, one for each joint"));
+                let must = arm.pick("1".to_owned(), "1".to_owned() + &each);
+                refuse(&format!("--feedback = {found} pairs, but must be {must}"))
             }
         }
     }

@@ -297,6 +297,35 @@ impl Arm {
         masses_kg * length_m * (x * x + y * y).sqrt()
     }
 
+    /// Inertia of all that each joint moves, with rigid links in these directions in rad and the other joints held: in kg m²
+    /// about a hub, in kg on a carriage, which comes last.
+    pub fn joint_inertias(&self, directions_rad: &[f64]) -> Vec<f64> {
+        let links = || self.links().iter().map(|own| &own.link).zip(directions_rad);
+        let mut place_m = [0.0; 2];
+        let mut roots_m = Vec::new();
+        for (link, direction_rad) in links() {
+            roots_m.push(place_m);
+            let along = [libm::cos(*direction_rad), libm::sin(*direction_rad)];
+            place_m = [0, 1].map(|axis| place_m[axis] + link.rigid_tip() * along[axis]);
+        }
+        let about = |joint: usize| {
+            let outer = links().zip(&roots_m).skip(joint);
+            let inertia = |((link, direction_rad), root_m): ((&Link, &f64), &[f64; 2])| {
+                let away_m = [0, 1].map(|axis| root_m[axis] - roots_m[joint][axis]);
+                let along =
+                    away_m[0] * libm::cos(*direction_rad) + away_m[1] * libm::sin(*direction_rad);
+                let square_m2 = away_m[0] * away_m[0] + away_m[1] * away_m[1];
+                link.rigid_inertia_kg_m2()
+                    + link.mass_kg() * square_m2
+                    + 2.0 * link.mass_moment_kg_m() * along
+            };
+            outer.map(inertia).sum()
+        };
+        let carried = || self.links().iter().map(|own| own.link.mass_kg()).sum::<f64>();
+        let carriage = self.carriage().map(|own| own.carriage.mass_kg + carried());
+        (0..self.links().len()).map(about).chain(carriage).collect()
+    }
+
     /// Stiffness of each joint between rotor and hub in N m/rad; infinite for a rigid joint.
     pub fn joint_stiffnesses_n_m_rad(&self) -> Vec<f64> {
         self.links().iter().map(|own| own.link.joint_stiffness_n_m_rad()).collect()

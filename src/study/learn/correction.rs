@@ -31,8 +31,11 @@ pub struct Correction {
     pub motion: Motion,
     /// Contraction in the band, weighted by the error's spectrum.
     pub contraction: f64,
-    /// Largest root mean square of the next error, over that of this one, without noise.
-    pub predicted: f64,
+    /// Largest root mean square in m of the next error of a link within the intervals, without noise.
+    pub predicted_rms_m: f64,
+    /// Root mean squares in m of the error in the band, and of the largest that the answer of `solve` makes there on a link
+    /// within the intervals.
+    pub in_band_rms_m: [f64; 2],
 }
 
 impl Correction {
@@ -50,16 +53,28 @@ impl Correction {
         let grid = TimeGrid { first: own.first - rest as i64, len, ..own };
         let pair = FourierPair::fast(fast_length(2 * len));
         let hertz = |k: usize| k as f64 / (pair.len() as f64 * own.step_s);
-        let (mut sums, mut moved) = ([0.0; 4], Vec::new());
+        let half = pair.len() / 2;
+        // The samples and then all of them backwards: the period has no jump.
+        let amplitudes = |mut samples: Vec<f64>| {
+            samples.extend(samples.clone().into_iter().rev());
+            pair.amplitudes(&samples)
+        };
+        let (mut sums, mut moved) = ([0.0; 5], Vec::new());
+        let [mut energy, mut left_out] = [0.0; 2];
         for axis in 0..recorded.error_m.len() {
             let (error_m, last_m) = recorded.tapered(axis);
-            // Rests around the error, and then all of it backwards: the period has no jump.
+            let pairs = recorded.error_m[axis].iter().zip(&error_m);
+            left_out += pairs.map(|(whole, own)| (whole - own).powi(2)).sum::<f64>();
+            // Rests around the error.
             let mut samples = vec![0.0; rest];
             samples.extend(error_m);
-            samples.resize(pair.len() / 2, last_m);
-            samples.extend(samples.clone().into_iter().rev());
-            let mut amplitudes = pair.amplitudes(&samples);
-            for (k, amplitude) in amplitudes.iter_mut().enumerate() {
+            samples.resize(half, last_m);
+            energy += samples.iter().map(|own| own * own).sum::<f64>();
+            let mut amplitudes_m = amplitudes(samples);
+            let start_m = wanted.at_m(axis, f64::NEG_INFINITY);
+            let way = (0..half).map(|k| wanted.at_m(axis, grid.time_s(k)) - start_m);
+            let of_way = amplitudes(way.collect());
+            for (k, amplitude) in amplitudes_m.iter_mut().enumerate() {
                 let (square, weight) = (magnitude(*amplitude).powi(2), band.weight(hertz(k)));
                 let contraction = band.contraction(hertz(k)).min(1.0);
                 let left = 1.0 - weight + weight * contraction;
@@ -68,10 +83,11 @@ impl Correction {
                 if hertz(k) <= band.end_hz {
                     sums[2] += square;
                     sums[3] += contraction * contraction * square;
+                    sums[4] += (contraction * magnitude(of_way[k])).powi(2);
                 }
                 *amplitude *= weight;
             }
-            let filtered = pair.samples(&amplitudes);
+            let filtered = pair.samples(&amplitudes_m);
             let taper = (0.5 * rest as f64).max(1.0);
             let at = |k: usize| {
                 let [begin, end] = [k, len - 1 - k].map(|own| smooth(own as f64 / taper));
@@ -83,10 +99,12 @@ impl Correction {
         let time_s: Vec<f64> = (0..len).map(|k| grid.time_s(k)).collect();
         let motion = motion_of(solution, time_s, moved)?;
         let ratio = |part: f64, whole: f64| if whole > 0.0 { (part / whole).sqrt() } else { 0.0 };
+        let rms_m = |energy: f64| (energy / own.len as f64).sqrt();
         Ok(Self {
             motion,
             contraction: ratio(sums[3], sums[2]),
-            predicted: ratio(sums[1], sums[0]),
+            predicted_rms_m: ratio(sums[1], sums[0]) * rms_m(energy) + rms_m(left_out),
+            in_band_rms_m: [sums[2], sums[4]].map(|part| ratio(part, sums[0]) * rms_m(energy)),
         })
     }
 }

@@ -40,8 +40,11 @@ pub struct LearnSummary {
     pub contraction_hz: f64,
     /// Contraction in the band, weighted by the error's spectrum.
     pub weighted_contraction: f64,
-    /// Largest root mean square of the next error in m, without noise.
+    /// Largest root mean square in m of the next error of a link within the intervals, without noise.
     pub predicted_rms_m: f64,
+    /// Root mean squares in m of the error in the band, and of the largest that the answer of `solve` makes there on a link
+    /// within the intervals.
+    pub in_band_rms_m: [f64; 2],
     /// First and last time of the next table in s.
     pub next_s: [f64; 2],
     /// Its rows.
@@ -74,7 +77,8 @@ impl LearnSummary {
             contraction,
             contraction_hz,
             weighted_contraction: correction.contraction,
-            predicted_rms_m: correction.predicted * rms_m,
+            predicted_rms_m: correction.predicted_rms_m,
+            in_band_rms_m: correction.in_band_rms_m,
             next_s: [next.grid.time_s(0), next.grid.end_s()].map(|s| rounded(s, 9)),
             rows: next.grid.len,
         }

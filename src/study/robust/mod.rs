@@ -12,8 +12,8 @@ pub use command::{
 };
 pub use key::{Fitted, How, Key};
 pub use outcome::{
-    Inside, KeyOutcome, OverLimit, Plant, PlantError, PlantKind, Quantiles, Robustness, Study,
-    Worst,
+    Inside, KeyOutcome, OverLimit, Plant, PlantError, PlantKind, Quantile, Quantiles, Robustness,
+    Study, Worst,
 };
 pub use plants::{Distribution, Sample, Values, corners};
 pub use strays::{Measure, Strays};

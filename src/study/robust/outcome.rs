@@ -9,6 +9,7 @@ use super::command::PlantTip;
 use super::key::Key;
 use super::plants::{POINTS, Random, Sample, Values, corners};
 use super::strays::{Measure, Strays, below};
+use crate::numeric::extremes;
 use crate::result::LimitedValue;
 use crate::system::end_if_stopped;
 
@@ -23,6 +24,12 @@ const BEYOND: f64 = 0.01;
 
 /// Smallest measure, over the travel, whose place in an interval counts.
 const COUNTS: f64 = 1e-5;
+
+/// Fewest drawn plants beyond a quantile that has a standard error.
+const FEW: f64 = 5.0;
+
+/// Range of a key's measures, over the travel, up to which it changes nothing.
+const IDLE: f64 = 1e-8;
 
 /// Plays of a search for the worst value between two others, and golden section.
 const SECTIONS: usize = 12;
@@ -107,13 +114,16 @@ pub struct Worst {
 /// Quantiles of a measure over the sample in m, each with its standard error by the number of plants.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quantiles {
-    /// 50 % and its standard error.
-    pub median_m: [f64; 2],
+    /// 50 % and its standard error, `None` if few plants lie beyond the quantile.
+    pub median_m: Quantile,
     /// 95 %.
-    pub p95_m: [f64; 2],
+    pub p95_m: Quantile,
     /// 99 %.
-    pub p99_m: [f64; 2],
+    pub p99_m: Quantile,
 }
+
+/// A quantile and its standard error.
+pub type Quantile = (f64, Option<f64>);
 
 /// The outcome of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -132,6 +142,8 @@ pub struct Robustness {
     pub over_limits: Vec<OverLimit>,
     /// Draws that the file refused.
     pub drawn_again: usize,
+    /// Travel of the tip in m.
+    pub travel_m: f64,
 }
 
 /// A limit, and the plants of a sample over it.
@@ -265,7 +277,17 @@ impl<P> Study<'_, P> {
             }
         }
         let worst = Measure::ALL.map(|measure| worst_of(&plants, measure));
-        Ok(Robustness { plants, keys, worst, quantiles, envelope_m, over_limits, drawn_again })
+        let travel_m = self.travel_m;
+        Ok(Robustness {
+            plants,
+            keys,
+            worst,
+            quantiles,
+            envelope_m,
+            over_limits,
+            drawn_again,
+            travel_m,
+        })
     }
 
     fn played<E>(&self, values: &[Option<f64>]) -> Result<PlantTip, PlantError<E>>
@@ -425,6 +447,20 @@ fn sizes(error_m: &[Vec<f64>]) -> Cow<'_, [f64]> {
 }
 
 impl Robustness {
+    /// The keys that change no measure.
+    pub fn idle_keys(&self) -> Vec<&Key> {
+        let is_idle = |number: usize| {
+            let own = &self.plants[1 + number * POINTS..][..POINTS];
+            Measure::ALL.iter().all(|measure| {
+                let sizes: Vec<f64> = own.iter().map(|own| own.strays.size_m(*measure)).collect();
+                let [low, high] = extremes(&sizes);
+                high - low <= IDLE * self.travel_m
+            })
+        };
+        let keys = self.keys.iter().enumerate().filter(|(number, _)| is_idle(*number));
+        keys.map(|(_, own)| &own.key).collect()
+    }
+
     /// Values of the plants on keys and corners with the largest tip errors, at most `most`.
     pub fn hardest(&self, most: usize) -> Vec<&[Option<f64>]> {
         let is_chosen = |own: &&Plant| matches!(own.kind, PlantKind::Key | PlantKind::Corner);
@@ -475,8 +511,10 @@ fn quantiles(sample: &[Strays], measure: Measure) -> Quantiles {
     };
     // A share q of n plants has the standard error √(q (1 − q)/n).
     let with_error = |q: f64| {
-        let off = (q * (1.0 - q) / sizes.len() as f64).sqrt();
-        [at(q), 0.5 * (at(q + off) - at(q - off))]
+        let count = sizes.len() as f64;
+        let off = (q * (1.0 - q) / count).sqrt();
+        let is_known = count * (1.0 - q) > FEW - 1e-9;
+        (at(q), is_known.then(|| 0.5 * (at(q + off) - at(q - off))))
     };
     Quantiles { median_m: with_error(0.5), p95_m: with_error(0.95), p99_m: with_error(0.99) }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::command::{Command, Hold};
 use super::key::Key;
-use super::outcome::{KeyOutcome, OverLimit, PlantKind, Quantiles, Robustness};
+use super::outcome::{KeyOutcome, OverLimit, PlantKind, Quantile, Quantiles, Robustness};
 use super::plants::{Distribution, Sample};
 use super::strays::{Measure, Strays, below};
 use crate::compare::Table;
@@ -184,10 +184,11 @@ impl RobustSummary {
         format!("{} ({} m)", self.percent(m), significant(m, 3))
     }
 
-    /// A quantile as a share of the travel with its standard error: `2.47 ± 0.06 %`.
-    pub fn quantile(&self, [at_m, error_m]: [f64; 2]) -> String {
-        let [at, error] = [at_m, error_m].map(|m| 100.0 * m / self.travel_m);
-        format!("{} ± {} %", significant(at, 3), significant(error, 1))
+    /// A quantile as a share of the travel with its standard error: `2.47 ± 0.06 %`, or `?` where few plants lie beyond.
+    pub fn quantile(&self, (at_m, error_m): Quantile) -> String {
+        let percent = |m: f64, digits| significant(100.0 * m / self.travel_m, digits);
+        let error = error_m.map_or("?".to_owned(), |error_m| percent(error_m, 1));
+        format!("{} ± {error} %", percent(at_m, 3))
     }
 
     /// The played quantity: `torque of solve, without feedback`.

@@ -71,7 +71,8 @@ fn shrinks_line(summary: &LearnSummary) -> String {
 }
 
 fn next_line(summary: &LearnSummary) -> String {
-    format!("error rms at most {}, without noise", both(summary.predicted_rms_m, summary))
+    let most = both(summary.predicted_rms_m, summary);
+    format!("error rms up to {most},\n{:LABEL$}without noise, of a link within the intervals", "")
 }
 
 fn written_line(summary: &LearnSummary, output: &str) -> String {
