@@ -332,8 +332,10 @@ impl LearnOptions {
             let joint = arm.pick(String::new(), format!(" of joint {}", number + 1));
             let what = arm.joint().worded(&format!("torque{joint}"));
             let [value, time] = [value, table.grid.time_s(sample)].map(|own| significant(own, 6));
-            let why =
-                if is_limit { "the limit of the link file" } else { "a plateau at its extremum" };
+            let why = match limit.filter(|_| is_limit) {
+                Some(limit) => format!("at limits.torque = {}", significant(limit, 6)),
+                None => "a plateau at its extremum".to_owned(),
+            };
             let message = format!(
                 "{place}: {what} = {value} in {samples} rows from {time} s, {why}: it is saturated"
             );
@@ -442,10 +444,9 @@ impl LearnOptions {
 fn beyond(summary: &LearnSummary) -> Option<Notice> {
     let [found_m, possible_m] = summary.in_band_rms_m;
     let is_seen = found_m > SEEN * summary.travel_m && found_m > BEYOND * possible_m;
-    let [found, possible] =
-        [found_m, possible_m].map(|own_m| significant(100.0 * own_m / summary.travel_m, 3));
+    let times = significant((found_m / possible_m).min(1e6), 3);
     let message = format!(
-        "the error is {found} % rms in the band, but links within the intervals make at most {possible} % under the answer of solve"
+        "the error in the band is {times} times that which links within the intervals make under the answer of solve"
     );
     let hint = "another value is off, such as friction, or the measurement: name it with --uncertain, or measure and fit it";
     is_seen.then(|| Notice::new("beyond_intervals", message, hint))

@@ -164,6 +164,50 @@ fn a_wrong_stiffness_payload_and_friction_are_learned_in_ten_steps() {
     assert!(steps[0].rms > 0.05 && steps[9].rms < 2.0 * NOISE, "{}", steps[9].rms);
 }
 
+/// Friction that no interval has makes an error that no link within the intervals makes.
+#[test]
+fn an_error_that_the_intervals_do_not_explain_is_told() {
+    let bench = bench_of("0.5", "3", "0.01");
+    let differs = ["segments.*.EI*=0.9", "hub.viscous_friction=0.05"];
+    let stiffness = "segments.*.EI*=±10%";
+    let mut own = rig(bench, LINK, &differs, &[]);
+    own.solve();
+    own.measure("out/torque.csv", (NOISE, 0.0));
+    for (uncertain, is_told) in
+        [(&[stiffness][..], true), (&[stiffness, "hub.viscous_friction=0..0.1"], false)]
+    {
+        own.uncertain = uncertain;
+        let told = own.bench.told(&own.learn(None, &[]));
+        assert_eq!(
+            told.contains("times that which links within the intervals make"),
+            is_told,
+            "{told}"
+        );
+    }
+}
+
+/// Without noise the next error of a link within the intervals is at most the predicted one.
+#[test]
+fn the_prediction_bounds_the_error_of_links_within_the_intervals() {
+    for (duration, changes) in [
+        ("1.5", ["segments.*.EI*=0.92", "payload.mass*=1.1"]),
+        ("2.5", ["segments.*.EI*=1.08", "payload.mass*=0.9"]),
+    ] {
+        let bench = bench_of("0.5", duration, "0.005");
+        let paper = std::fs::read_to_string(repository(LINK)).unwrap();
+        bench.write("link.toml", &format!("{paper}\n[payload]\nmass = '100 g'\n"));
+        let uncertain = ["payload.mass=±20%", "segments.*.EI*=±10%"];
+        let mut own = rig(bench, "link.toml", &changes, &uncertain);
+        own.solve();
+        own.measure("out/torque.csv", (0.0, 0.0));
+        let told = own.bench.reply(&own.learn(None, &["--json", "-o", "next.csv"]));
+        own.measure("next.csv", (0.0, 0.0));
+        let again = own.bench.reply(&own.learn(Some("next.csv"), &["--json", "-o", "after.csv"]));
+        let [predicted, found] = [number(&told, "predicted_rms_m"), number(&again, "rms_m")];
+        assert!(found < 1.01 * predicted, "{duration} s: {found} is above {predicted}");
+    }
+}
+
 /// EI −10 % alone, faster: the error lies in the band up to the free link's first frequency, and what lies above it stays.
 #[test]
 fn a_wrong_stiffness_is_learned_by_torque_and_by_the_hubs_angle() {
@@ -285,6 +329,7 @@ fn a_recording_of_something_else_is_refused() {
     );
     refused(&table(&|[t, x]| (t > 0.3).then_some([t, x])), "the recording lasts from");
     refused(&table(&|[t, x]| (t < 1.2).then_some([t, x])), "the recording lasts from");
+    refused(&table(&|[t, x]| (t < 1.7).then_some([t, x])), "but must last until 1.76 s");
     refused(
         &table(&|[t, x]| Some([t, if t < 0.0 { 0.2 * (9.0 * t).sin() } else { x }])),
         "before the motion",
@@ -316,14 +361,14 @@ fn a_recording_of_something_else_is_refused() {
     own.bench.write("cut.csv", &("time_s,torque_n_m\n".to_owned() + &cut.collect::<String>()));
     own.bench.refuses(3, &own.learn(Some("cut.csv"), &[]), "it is saturated");
     let limit = format!("limits.torque={most}");
-    own.bench.refuses(3, &own.learn(None, &["--set", &limit]), "the limit of the link file");
+    own.bench.refuses(3, &own.learn(None, &["--set", &limit]), "at limits.torque = ");
     let wide = [
         "--uncertain",
         "hub.inertia*=0.0001..10",
         "--uncertain",
         "segments.*.mass_per_length*=0.01..3",
     ];
-    own.bench.refuses(4, &own.learn(None, &wide), "must by less than 1");
+    own.bench.refuses(4, &own.learn(None, &wide), "must differ by less than 1");
     own.uncertain = &[];
     own.bench.refuses(2, &own.learn(None, &[]), "nothing is uncertain");
 }

@@ -40,6 +40,7 @@ mod repeat;
 mod report;
 mod rigs;
 mod robust;
+mod robust_edges;
 mod robust_report;
 mod shape;
 mod simulate;

@@ -107,7 +107,7 @@ impl Compared<'_> {
             let angles = tip.target(grid.time_s(0), grid.end_s()).start_angle_rad();
             let own = TipMotion::new(columns).ok().filter(|_| angles.is_none())?;
             let more = significant(shaper.duration_s(), 3);
-            let what = format!("trajectory --shape zv --of {of}, {more} s longer");
+            let what = format!("--shape zv --of {of}, {more} s longer");
             Some((what, Motion::Tip(own)))
         });
         let longer = quiet_factor(solution, omega_rad_s).and_then(|duration| {
@@ -163,8 +163,8 @@ impl Compared<'_> {
         let command = command.refined(arm, meshes).ok()?;
         let end_s = command.end_s;
         let nominal = command.plant((arm, meshes), (0.0, 1.0, end_s), &[]).ok()?;
-        let is_exact = self.options.played == Played::Inverse;
-        let command = if is_exact { command.less(nominal.error_m) } else { command };
+        let takes_off = self.options.takes_off(&self.problem.specification);
+        let command = if takes_off { command.less(nominal.error_m) } else { command };
         let of_corner = |values: &&[Option<f64>]| {
             let own = self.plants.with(values).ok()?;
             let played = command.plant((&own.arm, &own.meshes), (0.0, 1.0, end_s), &[]);

@@ -545,7 +545,7 @@ impl RobustOptions {
 
     /// Both commands of this study, less the common error of the exact inverse.
     fn plays(&self, problem: &Problem, solution: &Solution) -> Result<Plays, Failure> {
-        let Specification { arm, meshes, limits, analysis, .. } = &problem.specification;
+        let Specification { arm, meshes, limits, .. } = &problem.specification;
         let gains = self.gains(arm)?;
         let not_played = |error| not_played(&error, arm);
         let (histories, end_s) = self.histories(problem, solution, self.hold())?;
@@ -553,25 +553,34 @@ impl RobustOptions {
             let how = (self.hold(), &gains[..], thinned);
             Self::command(problem, solution, (&histories, end_s), how)
         };
-        let quick = command(Thinned::Yes)?.refined(arm, meshes).map_err(not_played)?;
+        // The acceleration of thinned positions, of which efforts depend, has less digits than the positions.
+        let is_limited = limits.iter().any(|own| *own != Limits::default());
+        let exact = self.hold() == Hold::Position && is_limited;
+        let quick = command(if exact { Thinned::No } else { Thinned::Yes })?
+            .refined(arm, meshes)
+            .map_err(not_played)?;
         let whole = command(Thinned::No)?;
         let band_m = self.band.metres(quick.travel_m);
         // With the limits of all plants, so that its own error is exactly 0.
         let nominal = quick.plant((arm, meshes), (0.0, band_m, quick.end_s), limits);
         let PlantTip { strays, error_m, .. } = nominal.map_err(not_played)?;
         let least_s = quick.time_s(error_m[0].len() - 1);
-        // The law of damping alone is no error of the link; left-out modes are.
-        let is_hysteretic =
-            |own: &ArmLink| matches!(own.link.damping(), Damping::Hysteretic { .. });
-        let differs =
-            arm.links().iter().any(is_hysteretic) && analysis.kept_modes() == KeptModes::All;
-        if self.played != Played::Inverse || !differs {
+        if !self.takes_off(&problem.specification) {
             return Ok(Plays { quick, whole, band_m, least_s, common_m: 0.0 });
         }
         let checked = whole.checked((arm, meshes), (0.0, band_m), strays.period_s);
         let checked = checked.map_err(not_played)?;
         let (quick, whole) = (quick.less(error_m), whole.less(checked.error_m));
         Ok(Plays { quick, whole, band_m, least_s, common_m: checked.strays.tip_error_m })
+    }
+
+    /// True if the error of the nominal plant is that of its law of damping alone, which is no error of the link.
+    fn takes_off(&self, Specification { arm, analysis, .. }: &Specification) -> bool {
+        let is_hysteretic =
+            |own: &ArmLink| matches!(own.link.damping(), Damping::Hysteretic { .. });
+        self.played == Played::Inverse
+            && arm.links().iter().any(is_hysteretic)
+            && analysis.kept_modes() == KeptModes::All
     }
 
     /// Warnings of the study.
@@ -711,7 +720,11 @@ fn keys(
     };
     if let Some(two) = document.overlapping(&keys, changes) {
         let [one, other] = two.map(|number| keys[number].heading());
-        let message = format!("{one} and {other} are intervals of one value");
+        let message = if one == other {
+            format!("{one} has two intervals, but must have one")
+        } else {
+            format!("{one} and {other} are intervals of one value")
+        };
         let hint = "state each value once: an interval of --uncertain, or that of the fit";
         return Err(Failure::new(Exit::Usage, &message, Some(hint)));
     }

@@ -275,7 +275,8 @@ impl Shape {
         let zeros: Vec<usize> = excitation.quiet_phases(MOST_PHASE).map(in_steps).collect();
         let least = |number: usize| {
             let zero = zeros[number];
-            let from = number.checked_sub(1).map_or(zero, |before| zeros[before].midpoint(zero));
+            let before = number.checked_sub(1).map_or(0, |before| zeros[before]);
+            let from = before.midpoint(zero);
             let until = zeros.get(number + 1).map_or(zero, |next| next.midpoint(zero));
             let down = (from..zero).rev().map(|steps| (left(steps), steps));
             let up = (zero + 1..=until).map(|steps| (left(steps), steps));

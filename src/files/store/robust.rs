@@ -315,13 +315,12 @@ struct FitValue {
 /// [`TableError`] for another file, a fit of the link file `link` itself, and a value that the data do not determine.
 pub fn read_fitted(file: &InputFile, link: &InputFile) -> Result<(Vec<Key>, Fitted), TableError> {
     let place = Place { file: &file.shown, line: None };
-    let record: FitRecord = serde_json::from_slice(&file.bytes)
-        .map_err(|error| place.refuse_whole(&format!("is no record of a fit: {error}")))?;
-    if record.command != "fit" {
-        let message = format!("command = {:?}, but must be \"fit\"", record.command);
-        let hint = "--from takes NAME.json, which fit -o NAME.toml writes";
-        return Err(place.refuse_whole(&message).with_hint(Some(hint.to_owned())));
-    }
+    let record: Option<FitRecord> = serde_json::from_slice(&file.bytes).ok();
+    let Some(record) = record.filter(|record| record.command == "fit") else {
+        let hint = "it is NAME.json beside the link NAME.toml that fit -o NAME.toml writes";
+        let error = place.refuse_whole("must be the record of a fit");
+        return Err(error.with_hint(Some(hint.to_owned())));
+    };
     if record.inputs.link.sha256 == link.sha256() {
         let message =
             format!("{} is the link before this fit, but must be the fitted one", link.shown);

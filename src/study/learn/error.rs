@@ -32,6 +32,14 @@ pub enum LearnError {
         /// First and last time of the motion in s.
         motion_s: [f64; 2],
     },
+    /// A recording that ends soon after the motion.
+    #[error("the recording ends at {} s, but must last until {} s, a tenth of the motion after its end", second(*end_s), second(*until_s))]
+    TooShortRest {
+        /// Last time of the recording in s.
+        end_s: f64,
+        /// Least last time in s.
+        until_s: f64,
+    },
     /// Too few samples before or after the motion.
     #[error("the recording has {found} rows {} the motion at rest, but must have {least}", place(*is_before))]
     FewAtRest {
@@ -57,7 +65,7 @@ pub enum LearnError {
         left: f64,
     },
     /// A recording of another travel.
-    #[error("the measured tip travels {} times as far as the wanted one, but must between {LEAST_TRAVEL} and {MOST_TRAVEL}", significant(*scale, 3))]
+    #[error("the measured tip travels {} times as far as the wanted one, but must travel between {LEAST_TRAVEL} and {MOST_TRAVEL}", significant(*scale, 3))]
     OtherTravel {
         /// Measured over wanted travel.
         scale: f64,
@@ -71,7 +79,7 @@ pub enum LearnError {
         explained: f64,
     },
     /// Plants that differ from the model by their whole response at the lowest frequency.
-    #[error("the plants differ from the model by {} times its response at {} Hz, the lowest frequency of the recording, but must by less than 1", significant(*ratio, 3), significant(*hertz, 3))]
+    #[error("the plants differ from the model by {} times its response at {} Hz, the lowest frequency of the recording, but must differ by less than 1", significant(*ratio, 3), significant(*hertz, 3))]
     NoBand {
         /// The lowest frequency in Hz.
         hertz: f64,
@@ -117,6 +125,7 @@ impl LearnError {
             Self::TooShort { .. } => {
                 "record the whole motion, and count its time from the same instant: --shift TIME"
             }
+            Self::TooShortRest { .. } => "record longer, at rest",
             Self::FewAtRest { .. } => "start earlier and record longer, or more often",
             Self::NoRest { is_before: true, .. } => {
                 "start the recording at rest, and count its time from the same instant: --shift TIME"

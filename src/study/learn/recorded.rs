@@ -105,8 +105,8 @@ impl Recorded {
             return Err(LearnError::FewAtRest { is_before, found, least: AT_REST });
         }
         if recorded_s[1] < motion_s[1] + LEAST_AFTER * lasts_s {
-            let motion_s = [motion_s[0], motion_s[1] + LEAST_AFTER * lasts_s];
-            return Err(LearnError::TooShort { recorded_s, motion_s });
+            let until_s = motion_s[1] + LEAST_AFTER * lasts_s;
+            return Err(LearnError::TooShortRest { end_s: recorded_s[1], until_s });
         }
         let travel_m = solution.tip_travel_m();
         let offset_m = rows.offset_m(&wanted, first / 2, travel_m)?;

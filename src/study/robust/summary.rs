@@ -249,7 +249,7 @@ impl RobustSummary {
                 format!("from {} s after the motion on", significant(after_s, 3)),
             ],
             None => [
-                format!("more than 5 % of the drawn plants do not stay within {band}"),
+                format!("over 5 % of the drawn plants do not stay within {band}"),
                 "in 10 periods after the motion".to_owned(),
             ],
         };

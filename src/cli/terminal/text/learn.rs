@@ -67,7 +67,10 @@ fn shrinks_line(summary: &LearnSummary) -> String {
     let [most, weighted] =
         [summary.contraction, summary.weighted_contraction].map(|own| significant(own, 3));
     let at = significant(summary.contraction_hz, 3);
-    format!("error times {most} at {at} Hz, the most; times {weighted} over its spectrum")
+    format!(
+        "error times {most} at {at} Hz, the most;\n{:LABEL$}times {weighted} over its spectrum",
+        ""
+    )
 }
 
 fn next_line(summary: &LearnSummary) -> String {

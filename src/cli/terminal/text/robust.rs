@@ -3,8 +3,7 @@
 use super::lines::{LABEL, labelled, wrapped};
 use crate::link::Arm;
 use crate::robust::{
-    Help, KeyOutcome, Measure, OverLimit, PlantKind, Quantiles, RobustSummary, WorstPlant,
-    share_words,
+    Help, KeyOutcome, Measure, OverLimit, PlantKind, RobustSummary, WorstPlant, share_words,
 };
 use crate::text::significant;
 
@@ -68,12 +67,19 @@ fn worst_lines(summary: &RobustSummary) -> String {
 
 fn drawn_lines(summary: &RobustSummary) -> String {
     let Some(quantiles) = &summary.quantiles else { return String::new() };
-    let line = |(measure, own): (Measure, &Quantiles)| {
-        let [p50, p95, p99] = [own.median_m, own.p95_m, own.p99_m].map(|own| summary.quantile(own));
-        format!("{:<14} {p50:<16} {p95:<16} {p99}", measure.word())
+    let cells = quantiles
+        .iter()
+        .map(|own| [own.median_m, own.p95_m, own.p99_m].map(|own| summary.quantile(own)));
+    let cells: Vec<[String; 3]> = cells.collect();
+    let [first, second] = [0, 1]
+        .map(|column| cells.iter().map(|own| own[column].chars().count()).fold(16, usize::max));
+    let line = |name: &str, [p50, p95, p99]: [&str; 3]| {
+        format!("{name:<14} {p50:<first$} {p95:<second$} {p99}")
     };
-    let head = format!("{:<14} {:<16} {:<16} 99 % below", "", "50 % below", "95 % below");
-    let lines = Measure::ALL.into_iter().zip(quantiles).map(line);
+    let head = line("", ["50 % below", "95 % below", "99 % below"]);
+    let lines = Measure::ALL.into_iter().zip(&cells);
+    let lines =
+        lines.map(|(measure, own)| line(measure.word(), own.each_ref().map(|own| &own[..])));
     below_each_other(std::iter::once(head).chain(lines))
 }
 
@@ -100,13 +106,19 @@ fn inside_line(summary: &RobustSummary) -> String {
     below_each_other(items)
 }
 
+/// Most characters of a command that helps with its numbers in one line.
+const WIDE: usize = 68;
+
 /// Commands that leave a smaller tip error, the best first; without any, that of the others.
 fn help_line(summary: &RobustSummary) -> String {
     let (help, helps) = summary.by_help();
     let kept = if helps > 0 { &help[..helps] } else { &help[..] };
     let items = kept.iter().map(|Help { what, tip_error_m, rest_vibration_m, .. }| {
         let [tip, rest] = [*tip_error_m, *rest_vibration_m].map(|m| summary.percent(m));
-        format!("{what}: tip error {tip}, rest {rest}")
+        let numbers = format!("tip error {tip}, rest {rest}");
+        let is_long = what.chars().count() + numbers.chars().count() > WIDE;
+        let between = if is_long { format!("\n{:LABEL$}  ", "") } else { " ".to_owned() };
+        format!("{what}:{between}{numbers}")
     });
     let none = (helps == 0 && !help.is_empty()).then(|| "nothing of these:".to_owned());
     below_each_other(none.into_iter().chain(items))
