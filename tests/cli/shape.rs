@@ -155,6 +155,18 @@ fn a_quiet_duration_is_a_zero_of_the_motion_at_the_mode() {
     }
 }
 
+#[test]
+fn modes_without_a_use_and_steps_longer_than_a_shaper_are_refused() {
+    let bench = bench(SHEET);
+    let own = "trajectory min-jerk --distance 0.2 --duration 0.44 --step 0.01 --link link.toml";
+    bench.refuses(2, &format!("{own} --modes 2"), "--modes has an effect only with --shape");
+    bench.refuses(2, &format!("{own} --shape zv --of held --modes 1,1"), "--modes = 1 twice");
+    // Mode 3 of a cantilever: 2.9 Hz × (7.8548/1.8751)², half a period of 9.9 ms.
+    let third = format!("{own} --shape zv --of held --modes 3");
+    bench.refuses(2, &third, "is longer than zv for mode 3");
+    bench.done(&third.replace("0.01", "0.005"));
+}
+
 /// |A(ω)|/ω of a min-jerk motion over its travel: a Riemann sum of its velocity 30 s²(1 − s)² times the phase.
 fn min_jerk_amplitude(phase: f64) -> f64 {
     let steps = 20_000;

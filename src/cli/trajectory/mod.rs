@@ -187,6 +187,9 @@ impl Trajectory {
         let steps = self.duration.map(|duration_s| self.steps("--duration", duration_s, 4.0));
         let (profile, step_s) = (self.profile, self.step);
         let shape = self.shape.shape(own, along, &self.plants()?)?;
+        if let Some(shape) = &shape {
+            shape.check_step(step_s)?;
+        }
         Ok(Search { profile, steps: steps.transpose()?, step_s, shape })
     }
 
@@ -271,6 +274,8 @@ impl Trajectory {
         let stops = self.cycle || self.path.stops();
         let (option, needs) = if let Some(option) = self.path.without_path() {
             (option, "--path")
+        } else if self.shape.has_idle_modes() {
+            ("--modes", "--shape or --quiet-at")
         } else if self.link.is_some() && !uses_link {
             (
                 "--link",
@@ -280,8 +285,6 @@ impl Trajectory {
             ("--set", "--link, the file that it changes")
         } else if self.shape.is_quiet() && self.path.stops() {
             ("--quiet-at", "one move, without --via, or with --corner on a path")
-        } else if self.shape.has_idle_modes() {
-            ("--modes", "--shape or --quiet-at")
         } else if self.dwell != 0.0 && !stops {
             ("--dwell", "--cycle, or with --via where the tip stops")
         } else {

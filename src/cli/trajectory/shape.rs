@@ -290,6 +290,24 @@ impl Shape {
         Some(steps)
     }
 
+    /// Refuses a step that is longer than the shaper of a mode: the samples do not show it.
+    pub(super) fn check_step(&self, step_s: f64) -> Result<(), Failure> {
+        let shaping = self.shaping.into_iter();
+        let mut modes =
+            shaping.flat_map(|shaping| self.modes.iter().map(move |own| (shaping, own)));
+        let is_short = |(shaping, mode): &(Shaping, &Mode)| {
+            let (omega_rad_s, ratio) = mode.middle();
+            Shaper::new(*shaping, omega_rad_s, ratio).is_some_and(|own| own.duration_s() < step_s)
+        };
+        let Some((shaping, mode)) = modes.find(is_short) else { return Ok(()) };
+        let (hertz, number) = (significant(mode.middle().0 / TAU, 4), mode.number);
+        let message = format!(
+            "--step = {} s is longer than {shaping} for mode {number}, {hertz} Hz, but must be shorter",
+            plain(step_s)
+        );
+        Err(Failure::new(Exit::Usage, &message, Some("use lower --modes or a shorter --step")))
+    }
+
     /// The modes, their frequencies and ratios.
     fn modes_text(&self) -> String {
         let mode = |mode: &Mode| {
