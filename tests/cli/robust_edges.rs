@@ -51,6 +51,38 @@ fn errors_of_the_nominal_link_count_unless_its_damping_makes_them() {
     assert!(nominal_m < 1e-6 && common_m == 0.0, "{nominal_m} {common_m}");
 }
 
+/// The period is that of the loop's pole for links with weight, too, and that of the lowest mode which rings: α damps the
+/// first one beyond the critical ratio.
+#[test]
+fn the_period_is_that_of_the_slowest_wave() {
+    let bench = Bench::new();
+    bench.write(
+        "link.toml",
+        "segments = [{ length = 1.0, EI = 20.0, mass_per_length = 0.5, elements = 4 }]\n\
+         hub = { inertia = 0.05 }\npayload = { mass = 0.2 }\n\
+         damping = { model = \"rayleigh\", beta = 1e-3 }\n",
+    );
+    bench.done("trajectory min-jerk --distance 0.5 --duration 2 --step 0.01 -o move.csv");
+    let period_s = |more: &str| {
+        let study = "robust link.toml move.csv --uncertain segments.*.EI*=±5% --runs 0 -o rb";
+        bench.done(&format!("{study} {more}"));
+        number(&bench.json("rb/summary.json"), "nominal/period_s")
+    };
+    for gains in ["--feedback 50,20", "--feedback 5,20"] {
+        let light = period_s(gains);
+        let weighed = period_s(&format!("{gains} --set gravity=[0,-1e-6] --set start_angle=0"));
+        assert!((weighed / light - 1.0).abs() < 1e-3, "{gains}: {weighed} is not {light}");
+    }
+    let modes = json_of(&bench.run("modes link.toml --count 2 --json"));
+    let [first, second] =
+        [0, 1].map(|k| std::f64::consts::TAU * number(&modes, &format!("frequency_hz/{k}")));
+    let alpha = 1.2 * 2.0 * first;
+    let ratio = 0.5 * alpha / second;
+    let damped_s = std::f64::consts::TAU / (second * (1.0 - ratio * ratio).sqrt());
+    let found_s = period_s(&format!("--set damping={{model=\"rayleigh\",alpha={alpha}}}"));
+    assert!(ratio < 0.9 && (found_s / damped_s - 1.0).abs() < 1e-2, "{found_s}, {damped_s}");
+}
+
 /// A wave of half the range outside the band does not settle, whatever the phase at which the play ends.
 #[test]
 fn a_wave_beyond_the_band_never_settles() {
