@@ -402,7 +402,9 @@ fn what_cannot_be_studied_is_refused_by_its_key() {
         bench.refuses(code, &with(&["robust", LINK, MOTION], arguments), words);
     };
     refused(2, &[], "nothing is uncertain");
-    refused(3, &["--uncertain", "payload.mass=±20 g"], "payload");
+    // The hint has a form that the file takes, where there is one.
+    refused(3, &["--uncertain", "payload.mass=±20 g"], "give its values: payload.mass=LOW..HIGH");
+    refused(3, &["--uncertain", "EI*=±5%"], "hint: set a value with `=`");
     refused(3, &["--uncertain", "payload.mass=-0.02..0.02"], "payload.mass = -0.02");
     refused(3, &["--uncertain", "damping.ratio=0.5..1.5"], "must lie in [0, 1)");
     refused(2, &["--uncertain", "segments.*.EI*=5%"], "LOW..HIGH");

@@ -161,6 +161,8 @@ fn modes_without_a_use_and_steps_longer_than_a_shaper_are_refused() {
     let own = "trajectory min-jerk --distance 0.2 --duration 0.44 --step 0.01 --link link.toml";
     bench.refuses(2, &format!("{own} --modes 2"), "--modes has an effect only with --shape");
     bench.refuses(2, &format!("{own} --shape zv --of held --modes 1,1"), "--modes = 1 twice");
+    let uncertain = format!("{own} --shape zv --of held --uncertain segments.*.EI*=±5%");
+    bench.refuses(2, &uncertain, "--uncertain has an effect only with --quiet-at");
     // Mode 3 of a cantilever: 2.9 Hz × (7.8548/1.8751)², half a period of 9.9 ms.
     let third = format!("{own} --shape zv --of held --modes 3");
     bench.refuses(2, &third, "is longer than zv for mode 3");

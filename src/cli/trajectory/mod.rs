@@ -274,8 +274,8 @@ impl Trajectory {
         let stops = self.cycle || self.path.stops();
         let (option, needs) = if let Some(option) = self.path.without_path() {
             (option, "--path")
-        } else if self.shape.has_idle_modes() {
-            ("--modes", "--shape or --quiet-at")
+        } else if let Some(idle) = self.shape.idle() {
+            idle
         } else if self.link.is_some() && !uses_link {
             (
                 "--link",

@@ -52,7 +52,7 @@ pub(super) struct ShapeArgs {
     quiet_at: Option<State>,
 
     /// Interval of a value for --quiet-at, as in robust: KEY=±5%; repeatable [default: [uncertainty] of the link file].
-    #[arg(long, help_heading = VIBRATIONS, value_name = "KEY=INTERVAL", requires = "quiet_at")]
+    #[arg(long, help_heading = VIBRATIONS, value_name = "KEY=INTERVAL")]
     uncertain: Vec<Uncertain>,
 
     /// Numbers of the modes, as `flexlink modes` prints them [default: 1, or the first after the swings of an arm with
@@ -115,9 +115,13 @@ impl ShapeArgs {
         self.quiet_at.is_some()
     }
 
-    /// True if modes are chosen without a use of them.
-    pub(super) fn has_idle_modes(&self) -> bool {
-        !self.is_given() && !self.modes.is_empty()
+    /// An option without a use, and those that have one for it.
+    pub(super) fn idle(&self) -> Option<(&'static str, &'static str)> {
+        if !self.is_given() && !self.modes.is_empty() {
+            return Some(("--modes", "--shape or --quiet-at"));
+        }
+        let is_idle = self.quiet_at.is_none() && !self.uncertain.is_empty();
+        is_idle.then_some(("--uncertain", "--quiet-at"))
     }
 
     /// The intervals of --uncertain.

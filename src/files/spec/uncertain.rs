@@ -214,7 +214,16 @@ impl LinkDocument {
             Interval::Around(..) => [0.0; 2],
         };
         let hint = || format!("give its values: {}=LOW..HIGH", own.path);
-        touched("*=1", &mut tree)?;
+        touched("*=1", &mut tree).map_err(|error| {
+            // A value that the file lacks, but may have.
+            let set = Override::placed(&own.place, &format!("{}=1", own.path)).ok();
+            let set = set.map(|set| [changes, &[set]].concat());
+            if set.is_some_and(|set| self.specification("", &set).is_ok()) {
+                error.hinting(hint())
+            } else {
+                error
+            }
+        })?;
         let mut leaves = Vec::new();
         leaves_of(&tree, Place::Override(changes.len()), &mut leaves);
         let numbers: Vec<Option<(f64, &str)>> = leaves.iter().map(|leaf| number(leaf)).collect();
