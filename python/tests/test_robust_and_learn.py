@@ -112,7 +112,8 @@ def test_the_worst_link_has_its_error_in_a_simulation() -> None:
     assert error == pytest.approx(worst["size_m"], rel=0.02)
     assert sum(found.shares.values()) == pytest.approx(1)
     # Its damping is the same in time, so that the error of the play alone is left.
-    assert found.nominal["tip_error_m"] < 1e-6
+    nominal = found.nominal["tip_error_m"]
+    assert nominal is not None and nominal < 1e-6
     assert found.summary["errors"]["common_m"] == 0
     assert {"--play position"} <= {own["what"] for own in found.helps}
 
