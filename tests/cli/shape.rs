@@ -213,6 +213,9 @@ fn a_quiet_duration_with_intervals_has_the_least_worst_case_beside_the_zero() {
     let of_file = made(&bench, &quiet.replace("link.toml", "file.toml"));
     assert_eq!(of_file, made(&bench, &format!("{quiet} --uncertain segments.*.EI*=±15%")));
     let told = made(&bench, quiet);
+    // Standard input is read once, for the link and for its intervals.
+    let fed = bench.fed(SHEET, &format!("trajectory {}", quiet.replace("link.toml", "-")));
+    assert_eq!(stderr(&succeeded(fed)), told);
     assert!(told.contains("|A|/ω is ") && !told.contains("intervals"), "{told}");
 }
 

@@ -6,6 +6,7 @@ mod shape;
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use clap::Args;
 
@@ -106,6 +107,10 @@ pub struct Trajectory {
     #[arg(long, value_name = "LINK")]
     pub link: Option<PathBuf>,
 
+    /// The file of --link, once it is read: standard input can be read only once.
+    #[arg(skip)]
+    link_file: OnceLock<InputFile>,
+
     #[command(flatten)]
     pub changes: ChangeArgs,
 
@@ -193,13 +198,21 @@ impl Trajectory {
         Ok(Search { profile, steps: steps.transpose()?, step_s, shape })
     }
 
+    /// The file of --link; `None` without it.
+    fn link_file(&self) -> Result<Option<&InputFile>, Failure> {
+        if let (None, Some(link)) = (self.link_file.get(), &self.link) {
+            let file = InputFile::read_toml(link)?;
+            return Ok(Some(self.link_file.get_or_init(|| file)));
+        }
+        Ok(self.link_file.get())
+    }
+
     /// The links or arms at the ends and corners of the intervals of --quiet-at.
     fn plants(&self) -> Result<Vec<Specification>, Failure> {
-        let Some(link) = self.link.as_ref().filter(|_| self.shape.is_quiet()) else {
+        let Some(file) = self.link_file()?.filter(|_| self.shape.is_quiet()) else {
             return Ok(Vec::new());
         };
-        let file = InputFile::read_toml(link)?;
-        let own = (&file, self.changes.overrides()?);
+        let own = (file, self.changes.overrides()?);
         let (plants, _) = Plants::of_any(own, (self.shape.uncertain(), None), Hold::Position)?;
         plants.ends().iter().map(|values| plants.with(values)).collect()
     }
@@ -307,10 +320,9 @@ impl Trajectory {
 
     /// The link or the arm of --link, with the limits of the command line; `None` without it.
     fn specification(&self, of: Limited) -> Result<Option<Specification>, Failure> {
-        let Some(link) = &self.link else { return Ok(None) };
-        let file = InputFile::read_toml(link)?;
+        let Some(file) = self.link_file()? else { return Ok(None) };
         // Reads the file first without the limits, because a link has their keys elsewhere than an arm.
-        let own = specification(&file, &self.changes.overrides()?)?;
+        let own = specification(file, &self.changes.overrides()?)?;
         let refused = match (of, &own.lines[..]) {
             (Limited::Link, [_, second, ..]) => {
                 let line = second.map(|line| format!(":{line}")).unwrap_or_default();
@@ -328,7 +340,7 @@ impl Trajectory {
         match refused {
             Some((message, hint)) => Err(Failure::new(Exit::InputRefused, &message, Some(hint))),
             None if self.fit_limit.is_empty() => Ok(Some(own)),
-            None => specification(&file, &limits(&self.changes, &self.fit_limit, of)?).map(Some),
+            None => specification(file, &limits(&self.changes, &self.fit_limit, of)?).map(Some),
         }
     }
 
