@@ -406,7 +406,8 @@ fn what_cannot_be_studied_is_refused_by_its_key() {
     refused(3, &["--uncertain", "payload.mass=±20 g"], "give its values: payload.mass=LOW..HIGH");
     refused(3, &["--uncertain", "EI*=±5%"], "hint: set a value with `=`");
     refused(3, &["--uncertain", "payload.mass=-0.02..0.02"], "payload.mass = -0.02");
-    refused(3, &["--uncertain", "damping.ratio=0.5..1.5"], "must lie in [0, 1)");
+    let of_end = "damping.ratio = 1.5, but must lie in [0, 1)";
+    refused(3, &["--uncertain", "damping.ratio=0.5..1.5"], of_end);
     refused(2, &["--uncertain", "segments.*.EI*=5%"], "LOW..HIGH");
     refused(2, &[KEYS[0], KEYS[1], "--play", "feedback"], "--feedback");
     refused(2, &[KEYS[0], KEYS[1], "--play", "effort", "--feedback", "5,1"], "--feedback");

@@ -203,9 +203,9 @@ fn every_room_is_on_its_floor() {
 }
 
 #[test]
-fn the_sources_are_at_most_310_files() {
+fn the_sources_are_at_most_311_files() {
     let count = sources("src").len();
-    assert!(count <= 310, "{count} files");
+    assert!(count <= 311, "{count} files");
 }
 
 #[test]

@@ -95,7 +95,7 @@ impl HoldArgs {
     }
 }
 
-/// What moves the joints, and the feedback around their motion: options of `simulate` and of `sweep`.
+/// The input that moves the joints, and the feedback around their motion: options of `simulate` and of `sweep`.
 #[derive(Debug, Args)]
 pub(crate) struct MovingArgs {
     /// Quantity in TORQUE: the torque, or the hub angle (for an arm the angles of its joints), which the hub follows
@@ -644,6 +644,28 @@ fn read_torques(
     }
 }
 
+/// A pair of gains for each joint, of one pair for all or of as many.
+pub(crate) fn gains_of_joints(gains: &[(f64, f64)], arm: &Arm) -> Result<Gains, Failure> {
+    let joints = arm.joints().count();
+    if let [one] = gains {
+        return Ok(vec![*one; joints]);
+    }
+    if gains.len() == joints {
+        return Ok(gains.to_vec());
+    }
+    let found = gains.len();
+    let each = match joints {
+        1 => String::new(),
+        _ => format!(", for all joints, or {joints}, one for each"),
+    };
+    let message = format!("--feedback = {found} pairs, but must be 1{each}");
+    let hint = (joints > 1).then_some(match arm.carriage() {
+        Some(_) => "KP1,KD1,KP2,KD2,KP,KD, from the inner joint on, the carriage last",
+        None => "KP1,KD1,KP2,KD2, from the inner joint on",
+    });
+    Err(Failure::new(Exit::Usage, &message, hint))
+}
+
 /// The feedback of each joint around its reference, with one pair of gains for all joints, or one pair for each;
 /// empty without gains.
 pub fn feedback(
@@ -651,25 +673,7 @@ pub fn feedback(
     references: Vec<HubReference>,
     arm: &Arm,
 ) -> Result<Vec<Feedback>, Failure> {
-    let joints = arm.joints().count();
-    let gains = match gains {
-        None => Vec::new(),
-        Some([one]) => vec![*one; joints],
-        Some(each) if each.len() == joints => each.to_vec(),
-        Some(others) => {
-            let found = others.len();
-            let each = match joints {
-                1 => String::new(),
-                _ => format!(", for all joints, or {joints}, one for each"),
-            };
-            let message = format!("--feedback = {found} pairs, but must be 1{each}");
-            let hint = (joints > 1).then_some(match arm.carriage() {
-                Some(_) => "KP1,KD1,KP2,KD2,KP,KD, from the inner joint on, the carriage last",
-                None => "KP1,KD1,KP2,KD2, from the inner joint on",
-            });
-            return Err(Failure::new(Exit::Usage, &message, hint));
-        }
-    };
+    let gains = gains.map(|own| gains_of_joints(own, arm)).transpose()?.unwrap_or_default();
     let of_joints = gains.into_iter().zip(references);
     let of_joints = of_joints.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
     of_joints.collect::<Result<_, _>>().map_err(|error| MovingArgs::gains_refused(&error, arm))

@@ -1,6 +1,7 @@
 //! `robust`: a command on plants that differ from the model.
 
 mod help;
+mod plants;
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -19,15 +20,14 @@ use crate::page::{Figures, page};
 use crate::response::SimulationError;
 use crate::result::{Limits, Notice};
 use crate::robust::{
-    Command, CommandError, Distribution, Fitted, Histories, Hold, How, Key, Plant, PlantError,
-    PlantKind, PlantTip, PlayErrors, Quantiles, RobustSummary, Robustness, Sample, Study, Thinned,
-    Values, corners,
+    Command, CommandError, Distribution, Histories, Hold, Plant, PlantError, PlantKind, PlantTip,
+    PlayErrors, Quantiles, RobustSummary, Robustness, Sample, Study, Thinned,
 };
-use crate::spec::{LinkDocument, Override, SpecError, Specification, Uncertain};
-use crate::store::{
-    Fingerprint, REPORT, RobustFiles, RobustInputs, StoredResult, read_fitted, robust_json,
-};
+use crate::spec::{Override, Specification, Uncertain};
+use crate::store::{Fingerprint, REPORT, RobustFiles, RobustInputs, StoredResult, robust_json};
 use crate::text::{given, shown_path, significant};
+
+pub use self::plants::Plants;
 
 use super::problem::Problem;
 use super::simulate::refusal;
@@ -35,7 +35,7 @@ use crate::cli::options::common::{SyncArgs, digits_arguments, option};
 use crate::cli::options::inputs::{
     ChangeArgs, LINK, MOTION, MotionArgs, ReadArgs, ResampleArgs, ScaleArgs,
 };
-use crate::cli::options::play::{Gains, gains};
+use crate::cli::options::play::{Gains, gains, gains_of_joints};
 use crate::cli::terminal::files::{keep, read_once};
 use crate::cli::terminal::text::robust_text;
 use crate::cli::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
@@ -263,91 +263,6 @@ impl Amount {
             Self::Metres(metres) => metres,
         }
     }
-}
-
-/// The link file with its changes, from which plants are made.
-pub struct Plants {
-    document: LinkDocument,
-    name: String,
-    changes: Vec<Override>,
-    /// The values that differ.
-    pub(super) keys: Vec<Key>,
-    /// Those that a fit found.
-    fitted: Option<Fitted>,
-}
-
-impl Plants {
-    /// The plants of a link file with changes, and the specification of the file. Their keys are those of the options, or else
-    /// of the file, and those of a fit; at least one.
-    pub fn of(
-        link: (&InputFile, Vec<Override>),
-        intervals: (&[Uncertain], Option<&InputFile>),
-        hold: Hold,
-    ) -> Result<(Self, Specification), Failure> {
-        let found = Self::of_any(link, intervals, hold)?;
-        if found.0.keys.is_empty() {
-            let message = "nothing is uncertain: --uncertain is missing, and the link file has no [uncertainty]";
-            let hint = "say how well a value is known: --uncertain 'segments.*.EI*=±5%'";
-            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-        }
-        Ok(found)
-    }
-
-    /// The same with any number of keys.
-    pub(in crate::cli) fn of_any(
-        (link, changes): (&InputFile, Vec<Override>),
-        (uncertain, fit): (&[Uncertain], Option<&InputFile>),
-        hold: Hold,
-    ) -> Result<(Self, Specification), Failure> {
-        let document = LinkDocument::read(&link.shown, link.text()?)?;
-        let specification = document.specification(&link.shown, &changes)?;
-        let (keys, fitted) = keys(&document, (link, &changes), (uncertain, fit), hold)?;
-        Ok((Self { document, name: link.shown.clone(), changes, keys, fitted }, specification))
-    }
-
-    /// The file with these values of the keys.
-    pub(in crate::cli) fn with(&self, values: &[Option<f64>]) -> Result<Specification, Failure> {
-        let delay_s = self.delay_s(values);
-        if delay_s < 0.0 {
-            let message = format!("delay = {delay_s} s, but must be 0 or above");
-            return Err(Failure::new(Exit::InputRefused, &message, None));
-        }
-        let mut changes = self.changes.clone();
-        for (key, value) in self.keys.iter().zip(values) {
-            if let Some(change) = value.and_then(|value| key.change(value)) {
-                let place = format!("--uncertain, {change}");
-                changes.push(Override::placed(&place, &change).map_err(|error| refused(&error))?);
-            }
-        }
-        self.document.specification(&self.name, &changes).map_err(|error| refused(&error))
-    }
-
-    /// The ends of each key alone, and the corners; none without keys.
-    pub(in crate::cli) fn ends(&self) -> Vec<Values> {
-        let keys = &self.keys;
-        if keys.is_empty() {
-            return Vec::new();
-        }
-        let alone = (0..keys.len()).flat_map(|number| {
-            keys[number].ends.map(|end| {
-                let mut values = vec![None; keys.len()];
-                values[number] = Some(end);
-                values
-            })
-        });
-        let candidates: Vec<Vec<f64>> = keys.iter().map(|key| key.ends.to_vec()).collect();
-        alone.chain(corners(&candidates, &[vec![1; keys.len()]])).collect()
-    }
-
-    /// The delay of the drives in s.
-    pub(super) fn delay_s(&self, values: &[Option<f64>]) -> f64 {
-        let delays = self.keys.iter().zip(values).filter(|(key, _)| key.how == How::Delay);
-        delays.filter_map(|(_, value)| *value).sum()
-    }
-}
-
-fn refused(error: &SpecError) -> Failure {
-    Failure::new(Exit::InputRefused, error, error.hint())
 }
 
 /// The plays of a study.
@@ -670,7 +585,6 @@ impl RobustOptions {
 
     /// A pair of gains for each joint.
     fn gains(&self, arm: &Arm) -> Result<Gains, Failure> {
-        let joints = arm.joints().count();
         let refuse = |message: &str| Err(Failure::new(Exit::Usage, &message, None));
         match (&self.feedback, self.hold()) {
             (None, Hold::Feedback) => refuse("--play feedback needs --feedback KP,KD"),
@@ -678,57 +592,9 @@ impl RobustOptions {
                 refuse("--feedback is for --play feedback, but --play holds something else")
             }
             (None, _) => Ok(Vec::new()),
-            (Some(gains), _) if gains.len() == 1 => Ok(vec![gains[0]; joints]),
-            (Some(gains), _) if gains.len() == joints => Ok(gains.clone()),
-            (Some(gains), _) => {
-                let (found, each) = (gains.len(), format!(", or {joints}, one for each joint"));
-                let must = arm.pick("1".to_owned(), "1".to_owned() + &each);
-                refuse(&format!("--feedback = {found} pairs, but must be {must}"))
-            }
+            (Some(gains), _) => gains_of_joints(gains, arm),
         }
     }
-}
-
-/// The keys of the options, or else of the link file, and those of a fit.
-fn keys(
-    document: &LinkDocument,
-    (link, changes): (&InputFile, &[Override]),
-    (uncertain, fit): (&[Uncertain], Option<&InputFile>),
-    hold: Hold,
-) -> Result<(Vec<Key>, Option<Fitted>), Failure> {
-    let mut all = uncertain.to_vec();
-    if uncertain.is_empty() && fit.is_none() {
-        all = document.uncertainties(&link.shown).map_err(|error| refused(&error))?;
-        if hold != Hold::Position && all.iter().any(Uncertain::is_delay) {
-            all.retain(|own| !own.is_delay());
-            console::note("the delay of [uncertainty] counts with --play position alone");
-        }
-    } else if let Some(own) = all.iter().find(|own| own.is_delay() && hold != Hold::Position) {
-        let message = format!("{own}: is for --play position: a delayed torque is another command");
-        return Err(Failure::new(Exit::Usage, &message, None));
-    }
-    let key = |own: &Uncertain| document.uncertain(own, changes).map_err(|error| refused(&error));
-    let mut keys: Vec<Key> = all.iter().map(key).collect::<Result<_, _>>()?;
-    let fitted = match fit {
-        None => None,
-        Some(fit) => {
-            let (of_fit, fitted) = read_fitted(fit, link)?;
-            let first = keys.len();
-            keys.extend(of_fit);
-            Some(Fitted { first, ..fitted })
-        }
-    };
-    if let Some(two) = document.overlapping(&keys, changes) {
-        let [one, other] = two.map(|number| keys[number].heading());
-        let message = if one == other {
-            format!("{one} has two intervals, but must have one")
-        } else {
-            format!("{one} and {other} are intervals of one value")
-        };
-        let hint = "state each value once: an interval of --uncertain, or that of the fit";
-        return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-    }
-    Ok((keys, fitted))
 }
 
 /// The page of a study, from its files.

@@ -46,7 +46,7 @@ pub(crate) struct CaseArgs {
     read: ReadArgs,
 }
 
-/// What to play on every case.
+/// The play of every case.
 #[derive(Debug, Args)]
 pub(crate) struct TorqueArgs {
     /// Play this torque (CSV: `time`, `torque`; of an arm `torque1`, `torque2`, …) on every case instead, or with --input
@@ -85,7 +85,7 @@ pub(crate) struct Cases<'a> {
     document: LinkDocument,
     pub(crate) link_file: InputFile,
     pub(crate) motion_file: InputFile,
-    /// What is played on every case.
+    /// The play of every case.
     pub(crate) driven: Option<Driven>,
     /// Kind of the numbers in the table.
     pub(crate) kind: SweepKind,

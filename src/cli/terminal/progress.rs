@@ -16,7 +16,7 @@ use crate::response::PlayProgress;
 use super::console;
 use super::exit::Failure;
 
-/// What to print on standard output.
+/// The form of the summary on standard output.
 #[derive(Debug, Args)]
 pub(crate) struct PrintArgs {
     #[arg(long, conflicts_with = "quiet", help = "Print summary.json instead of the summary")]

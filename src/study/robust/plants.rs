@@ -46,8 +46,11 @@ pub struct Sample {
 
 /// Values of the corners: every combination of the candidates of each key. With many keys, for each measure the corner of
 /// the worst candidates, the opposite one, and both with one key turned. `worst` has the number of the worst candidate
-/// of each key, one list a measure.
+/// of each key, one list a measure. One key has no corners: it is alone at its candidates.
 pub fn corners(candidates: &[Vec<f64>], worst: &[Vec<usize>]) -> Vec<Values> {
+    if candidates.len() < 2 {
+        return Vec::new();
+    }
     let count: usize = candidates.iter().map(Vec::len).fold(1, usize::saturating_mul);
     if candidates.len() <= MOST_KEYS && count <= MOST_CORNERS {
         let corner = |mut number: usize| {
@@ -225,6 +228,7 @@ mod tests {
         let two = corners(&[vec![1.0, 2.0], vec![5.0, 6.0]], &[]);
         assert_eq!(two.len(), 4);
         assert!(two.contains(&vec![Some(2.0), Some(5.0)]));
+        assert!(corners(&[vec![1.0, 2.0]], &[vec![1]]).is_empty());
         let keys = vec![vec![0.0, 1.0]; 9];
         let many = corners(&keys, &[vec![1; 9]]);
         assert_eq!(many.len(), 2 * 9 + 2);

@@ -219,8 +219,10 @@ impl RobustSummary {
         let mut parts = vec![
             format!("{} in all", self.plants),
             format!("{} on {}", count(PlantKind::Key), counted(self.keys.len(), "key")),
-            counted(count(PlantKind::Corner), "corner"),
         ];
+        if self.keys.len() > 1 {
+            parts.push(counted(count(PlantKind::Corner), "corner"));
+        }
         if self.sample.runs > 0 {
             let seed = self.sample.seed;
             parts.push(format!("{} drawn ({drawn}, seed {seed})", self.sample.runs));

@@ -28,7 +28,7 @@ pub struct SweepInputs {
     pub link: Fingerprint,
     /// The trajectory file.
     pub motion: Fingerprint,
-    /// What the sweep plays on every case, if it plays: a torque, or what `--input` in the arguments says.
+    /// The table that plays on every case, if one does: a torque, or the quantity of `--input` in the arguments.
     pub torque: Option<Fingerprint>,
     /// The force on an arm's carriage, or its motion, if it has a file of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -39,7 +39,7 @@ pub struct SweepInputs {
     /// The reference of an arm's carriage, if it has a file of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carriage_reference: Option<Fingerprint>,
-    /// What is varied.
+    /// The varied values.
     pub vary: Vec<String>,
     /// The other arguments.
     pub arguments: Vec<String>,
