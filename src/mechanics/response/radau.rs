@@ -10,8 +10,11 @@ use crate::system::end_if_stopped;
 /// Number of stages.
 const STAGES: usize = 3;
 
-/// Change of the coordinates by an iteration, in rad, that ends the iterations.
+/// Change of the coordinates by all further iterations, in rad, that ends the iterations.
 const SETTLED_RAD: f64 = 1e-14;
+
+/// Largest ratio of a change to the one before with which all further ones are estimated.
+const SHRINKS: f64 = 0.1;
 
 /// Largest change in rad that counts as round-off. Without hub inertia the shortest waves have almost no mass at the joint,
 /// so round-off of the forces moves them far.
@@ -97,8 +100,7 @@ impl<'a> Radau<'a> {
     ) -> bool {
         end_if_stopped();
         let (count, h) = (self.count, self.step_s);
-        // Starts from constant accelerations.
-        let mut stages = vec![motion.accelerations.clone(); STAGES];
+        let mut stages = self.guess(motion);
         let mut residual = DVector::zeros(STAGES * count);
         let mut at = (vec![0.0; count], vec![0.0; count]);
         // Whole turns leave fewer digits for the rest.
@@ -141,10 +143,14 @@ impl<'a> Radau<'a> {
             }
             // Changes that fall without a rise converge, however slowly.
             has_risen |= change > previous;
+            // All further changes, if each shrinks as this one did.
+            let factor = change / previous;
+            let is_estimated = iteration > 1 && factor < SHRINKS;
+            let left = if is_estimated { change * factor / (1.0 - factor) } else { change };
             previous = change;
             let is_stalled = is_fresh && has_risen && iteration >= fell + STALLED;
             let least_rad = if is_stalled { ROUND_OFF_RAD } else { SETTLED_RAD };
-            if change * h * h <= least_rad * size_rad {
+            if left * h * h <= least_rad * size_rad {
                 let reached = (0..STAGES).map(|stage| {
                     self.reach(motion, &stages, stage, &mut at);
                     let (q, rates) = at.clone();
@@ -163,6 +169,29 @@ impl<'a> Radau<'a> {
             }
         }
         false
+    }
+
+    /// Accelerations at the stages to start from: those of the last step go on as a parabola, or else they are constant.
+    fn guess(&self, motion: &Motion) -> Vec<Vec<f64>> {
+        if self.reached.last().is_none_or(|last| last.q != motion.q || last.rates != motion.rates) {
+            return vec![motion.accelerations.clone(); STAGES];
+        }
+        let places = Self::places();
+        let at = |place: f64| {
+            let share = |own: usize| {
+                let others = (0..STAGES).filter(|other| *other != own);
+                let factor =
+                    |other: usize| (1.0 + place - places[other]) / (places[own] - places[other]);
+                others.map(factor).product::<f64>()
+            };
+            let shares = [0, 1, 2].map(share);
+            let value = |i: usize| {
+                let pairs = shares.iter().zip(&self.reached);
+                pairs.map(|(share, own)| share * own.accelerations[i]).sum()
+            };
+            (0..self.count).map(value).collect()
+        };
+        places.map(at).into()
     }
 
     /// The motion at each stage of the last step.
