@@ -124,8 +124,7 @@ fn over(a: &Matrix, b: &Matrix) -> Matrix {
 fn ratio(a: &Matrix, b: &Matrix) -> f64 {
     let measured = a.nrows().min(2);
     let own = over(a, b).view((0, 0), (measured, measured)) - Matrix::identity(measured, measured);
-    let is_finite = own.iter().all(|value| value.is_finite());
-    if is_finite { own.singular_values().max() } else { f64::INFINITY }
+    if own.norm_squared().is_finite() { own.singular_values().max() } else { f64::INFINITY }
 }
 
 /// Largest `|G_true/G − 1|` of all plants and poses over frequency.
