@@ -302,9 +302,10 @@ fn path(duration_s: i32, columns: &[(&str, f64, f64)]) -> String {
     for k in -30..=100 * duration_s + 150 {
         let t = (0.01 * f64::from(k) / f64::from(duration_s)).clamp(0.0, 1.0);
         let share = t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t);
-        let values = columns.iter().map(|(_, from, by)| (from + by * share).to_string());
-        let values: Vec<String> = values.collect();
-        text += &format!("{},{}\n", 0.01 * f64::from(k), values.join(","));
+        let values = columns.iter().map(|(_, from, by)| from + by * share);
+        let row = std::iter::once(0.01 * f64::from(k)).chain(values);
+        let row: Vec<String> = row.map(|own| own.to_string()).collect();
+        text += &(row.join(",") + "\n");
     }
     text
 }
