@@ -454,8 +454,10 @@ impl LearnOptions {
 
 /// Names of a joint's effort and of its limit: `torque of joint 2` and `limits.torque`.
 fn torque_and_limit(arm: &Arm, number: usize) -> [String; 2] {
-    let of_joint = arm.pick(String::new(), format!(" of {}", arm.name_of_joint(number)));
     let joint = arm.joints().nth(number).unwrap_or(arm.joint());
+    let of_joint = format!(" of joint {}", number + 1);
+    let of_arm = if joint.slides() { " on the carriage".to_owned() } else { of_joint };
+    let of_joint = arm.pick(String::new(), of_arm);
     [format!("torque{of_joint}"), "limits.torque".to_owned()].map(|own| joint.worded(&own))
 }
 

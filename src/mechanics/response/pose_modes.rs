@@ -337,8 +337,8 @@ fn changes(modes: &[PoseMode], before: Option<&SettledModes>) -> Vec<f64> {
     modes.iter().enumerate().map(change).collect()
 }
 
-/// The responses of an arm about a pose at frequencies above 0, its carriage being a joint. They settle to `tolerance`, or [`ArmResponses::errors`]
-/// exceed it.
+/// The responses of an arm about a pose at frequencies above 0; a carriage moves as a joint. They settle to `tolerance`, or
+/// [`ArmResponses::errors`] exceed it.
 ///
 /// # Errors
 /// [`PoseError`].

@@ -231,7 +231,7 @@ impl Rows {
         self.at_m.iter().enumerate().map(offset).collect()
     }
 
-    /// Way of the mean tip after the motion over the travel, which must be small.
+    /// Way of the mean tip after the motion over the travel; a large one is refused.
     fn way_after(&self, travel_m: f64, (end_s, lasts_s): (f64, f64)) -> Result<f64, LearnError> {
         let first = self.time_s.partition_point(|time_s| *time_s <= end_s);
         let from = first + (self.time_s.len() - first) / 2;

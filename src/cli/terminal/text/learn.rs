@@ -76,7 +76,7 @@ fn shrinks_line(summary: &LearnSummary) -> String {
 fn next_line(arm: &Arm, summary: &LearnSummary) -> String {
     let is_fast = arm.alone().is_none() && summary.play != Hold::Position;
     let poses = if is_fast {
-        format!(";\n{:LABEL$}by poses at rest: a fast arm may leave more", "")
+        format!(";\n{:LABEL$}computed for small motions: a fast arm may leave more", "")
     } else {
         String::new()
     };
