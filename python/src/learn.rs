@@ -191,11 +191,21 @@ impl Learned {
         Ok(self.step.record(&inputs, self.of_solution.clone()))
     }
 
-    /// A column of what the joints of the links play, or of the carriage of one link, if the drives hold a position or not.
-    fn column(&self, is_position: bool, number: usize) -> Vec<&[f64]> {
+    /// A column of what each joint plays, the carriage last, if the drives hold a position or not.
+    fn columns(&self, is_position: bool, number: usize) -> impl Iterator<Item = &Vec<f64>> {
         let is_held = (self.step.hold == Hold::Position) == is_position;
-        let joints = self.step.next.joints.iter().filter(|_| is_held);
-        slices(joints.filter_map(|columns| columns.get(number)))
+        let joints = self.step.next.joints.iter().filter(move |_| is_held);
+        joints.filter_map(move |columns| columns.get(number))
+    }
+
+    /// Columns of the joints of the links.
+    fn joints(&self, is_position: bool, number: usize) -> Vec<&[f64]> {
+        slices(self.columns(is_position, number).take(self.kind.links))
+    }
+
+    /// The column of the carriage, the joint of one link or the last of an arm.
+    fn carriage(&self, is_position: bool, number: usize) -> Vec<&[f64]> {
+        slices(self.columns(is_position, number).last().into_iter())
     }
 }
 
@@ -226,9 +236,12 @@ impl Tables {
 impl Properties for Learned {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
         ("time", Computed(|own| times(&own.step.next.grid))),
-        ("torque force", Stored(|own| own.column(false, 0))),
-        ("hub_angle joint_angle carriage", Stored(|own| own.column(true, 0))),
-        ("hub_rate joint_rate carriage_velocity", Stored(|own| own.column(true, 1))),
+        ("torque", Stored(|own| own.joints(false, 0))),
+        ("force", Stored(|own| own.carriage(false, 0))),
+        ("hub_angle joint_angle", Stored(|own| own.joints(true, 0))),
+        ("carriage", Stored(|own| own.carriage(true, 0))),
+        ("hub_rate joint_rate", Stored(|own| own.joints(true, 1))),
+        ("carriage_velocity", Stored(|own| own.carriage(true, 1))),
         ("warnings", Notices(Self::notices)),
         ("remarks", Notices(|own| own.reading.clone())),
     ];

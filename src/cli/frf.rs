@@ -163,7 +163,7 @@ impl Frf {
         let rising: Vec<f64> = squares.filter(|square| *square > 0.0).map(f64::sqrt).collect();
         let row_bytes = RESPONSE_BYTES * joints * (joints + 2);
         let (frequencies_hz, _) = self.frequencies_hz(&rising, row_bytes)?;
-        let found = arm_responses(arm, &directions_rad, &frequencies_hz, tolerance)?;
+        let found = arm_responses(&arm.held(), &directions_rad, &frequencies_hz, tolerance)?;
         let errors = frequencies_hz.iter().copied().zip(found.errors.iter().copied());
         Ok(Responses {
             columns: arm_response(&found),

@@ -47,6 +47,9 @@ Example:
 const SEEN: f64 = 1e-4;
 const BEYOND: f64 = 1.2;
 
+/// Largest way of the measured tip after the motion, over the travel, that counts as rest.
+const AT_REST: f64 = 0.03;
+
 /// Quantity that the drives hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Holds {
@@ -68,7 +71,9 @@ enum Holds {
 /// count. Refused are another motion, a time shift that explains the error, and a torque with a plateau, as of a
 /// drive at its limit.
 ///
-/// With --play position the table is the motion of the joints, which the drives hold. For one link or an arm of two.
+/// With --play position the table is the motion of the joints, which the drives hold. Links of an arm from the third on, and
+/// its carriage, keep their wanted motion in the correction. The responses of an arm are those of small motions about its
+/// poses: under torques a fast arm may leave more than the error to expect.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Learn {
@@ -87,7 +92,8 @@ pub(crate) struct Learn {
     options: LearnOptions,
 
     /// Table that was played when MEASURED was recorded: torque.csv, force.csv, torques.csv, or with --play position
-    /// hub_angle.csv, carriage.csv, joint_angles.csv [default: that of solve].
+    /// hub_angle.csv, carriage.csv, joint_angles.csv; of an arm on a carriage all joints in one table [default: that of
+    /// solve].
     #[arg(long, value_name = "FILE")]
     applied: Option<PathBuf>,
 
@@ -282,7 +288,7 @@ impl LearnOptions {
             (&next, hold),
         );
         let mut warnings = self.warnings_of(&next, limits, arm);
-        warnings.extend(beyond(&summary));
+        warnings.extend(beyond(&summary).into_iter().chain(moving(&recorded)));
         Ok(Step { arm: arm.clone(), hold, next, summary, warnings })
     }
 
@@ -298,12 +304,19 @@ impl LearnOptions {
     pub fn table(&self, file: &InputFile, arm: &Arm) -> Result<(Table, Reading), Failure> {
         let InputFile { shown, bytes, .. } = file;
         let (joints, format) = (Joints::from(arm), TableFormat::default());
-        if self.hold() == Hold::Position {
+        let (table, reading, column) = if self.hold() == Hold::Position {
             let (found, reading) = read_joint_references(shown, bytes, joints, &format)?;
-            return Ok((Table::of_positions(&found), reading));
+            (Table::of_positions(&found), reading, "carriage")
+        } else {
+            let (found, reading) = read_joint_torques(shown, bytes, joints, &format)?;
+            (Table::of_efforts(&found), reading, "force")
+        };
+        if table.joints.len() < arm.joints().count() {
+            let message = format!("{shown}: the column {column} is missing");
+            let hint = "put all joints into one table, as learn does; without --applied it is that of solve";
+            return Err(Failure::new(Exit::InputRefused, &message, Some(hint)));
         }
-        let (found, reading) = read_joint_torques(shown, bytes, joints, &format)?;
-        Ok((Table::of_efforts(&found), reading))
+        Ok((table, reading))
     }
 
     /// The recording in a file.
@@ -329,11 +342,10 @@ impl LearnOptions {
             let limit = limits.get(number).and_then(|own: &Limits| own.of("torque"));
             let Some(found) = saturation(&columns[0], limit) else { continue };
             let Saturation { sample, samples, value, is_limit } = found;
-            let joint = arm.pick(String::new(), format!(" of joint {}", number + 1));
-            let what = arm.joint().worded(&format!("torque{joint}"));
+            let [what, key] = torque_and_limit(arm, number);
             let [value, time] = [value, table.grid.time_s(sample)].map(|own| significant(own, 6));
             let why = match limit.filter(|_| is_limit) {
-                Some(limit) => format!("at limits.torque = {}", significant(limit, 6)),
+                Some(limit) => format!("at {key} = {}", significant(limit, 6)),
                 None => "a plateau at its extremum".to_owned(),
             };
             let message = format!(
@@ -414,10 +426,10 @@ impl LearnOptions {
             let limit = limits.get(number)?.of("torque")?;
             let found = largest(&columns[0]);
             let [of, most] = [found, limit].map(|own| significant(own, 5));
-            let joint = arm.pick(String::new(), format!(" of joint {}", number + 1));
-            let message = format!("the next torque{joint} = {of}, but limits.torque is {most}");
+            let [what, key] = torque_and_limit(arm, number);
+            let message = format!("the next {what} = {of}, but {key} is {most}");
             let hint = "learn a slower motion: a drive at its limit plays no correction";
-            (found > limit).then(|| Notice::new("limit_exceeded", message, hint).worded(arm))
+            (found > limit).then(|| Notice::new("limit_exceeded", message, hint))
         };
         let joints = next.joints.iter().enumerate();
         joints.filter(|_| self.hold() == Hold::Effort).filter_map(warning).collect()
@@ -438,6 +450,26 @@ impl LearnOptions {
         ]
         .concat()
     }
+}
+
+/// Names of a joint's effort and of its limit: `torque of joint 2` and `limits.torque`.
+fn torque_and_limit(arm: &Arm, number: usize) -> [String; 2] {
+    let joint = arm.joints().nth(number).unwrap_or(arm.joint());
+    let of_joint = format!(" of joint {}", number + 1);
+    let of_arm = if joint.slides() { " on the carriage".to_owned() } else { of_joint };
+    let of_joint = arm.pick(String::new(), of_arm);
+    [format!("torque{of_joint}"), "limits.torque".to_owned()].map(|own| joint.worded(&own))
+}
+
+/// The warning of a tip that hardly rests after the motion.
+fn moving(recorded: &Recorded) -> Option<Notice> {
+    let share = recorded.moves_after;
+    let percent = significant(100.0 * share, 3);
+    let message = format!(
+        "the measured tip still moves by {percent} % of the travel after the motion: the error at rest is not known"
+    );
+    let hint = "record until the tip rests, or add friction or feedback";
+    (share > AT_REST).then(|| Notice::new("tip_moves", message, hint))
 }
 
 /// The warning of an error that no link within the intervals makes.

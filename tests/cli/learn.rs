@@ -52,18 +52,23 @@ impl Rig<'_> {
         (-2.0 * radius.ln()).sqrt() * (TAU * angle).cos()
     }
 
+    /// The pose in which the arm of solve starts.
+    fn start(&self) -> String {
+        let chords = self.bench.table("out/chord_angles.csv").into_iter();
+        let angles = chords.filter(|(name, _)| name.starts_with("angle"));
+        let angles: Vec<String> = angles.map(|(_, values)| values[0].to_string()).collect();
+        format!("--at={}", angles.join(","))
+    }
+
     /// Plays a table on the true link and writes measured.csv, with the times less a shift in s.
     fn measure(&mut self, table: &str, (noise, late_s): (f64, f64)) {
         let changes = with(&options("--set", self.model), &options("--set", self.differs));
         let input = if self.input.is_empty() { vec![] } else { vec!["--input", self.input] };
         let play = with(&["simulate", self.link, table, "-o", "sim", "--quiet"], &input);
         let play = with(&play, &changes);
-        let target = if self.tip.len() > 1 && self.input.is_empty() {
-            vec!["--target", "out/tip.csv"]
-        } else {
-            vec![]
-        };
-        self.bench.done(&with(&play, &target));
+        let at = self.tip.len() > 1 && self.input.is_empty();
+        let at: Vec<String> = at.then(|| self.start()).into_iter().collect();
+        self.bench.done(&with(&play, &at));
         let time_s = self.bench.numbers("sim/tip.csv", "time_s");
         if self.until_s == 0.0 {
             self.until_s = *time_s.last().unwrap();
@@ -290,6 +295,117 @@ fn an_arm_of_two_links_learns_x_and_y() {
     );
 }
 
+/// Rows of columns that go from one value by another in whole seconds, min-jerk, with 0.3 s of rest before and 1.5 s after.
+fn path(duration_s: i32, columns: &[(&str, f64, f64)]) -> String {
+    let names: Vec<&str> = columns.iter().map(|own| own.0).collect();
+    let mut text = format!("time,{}\n", names.join(","));
+    for k in -30..=100 * duration_s + 150 {
+        let t = (0.01 * f64::from(k) / f64::from(duration_s)).clamp(0.0, 1.0);
+        let share = t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t);
+        let values = columns.iter().map(|(_, from, by)| from + by * share);
+        let row = std::iter::once(0.01 * f64::from(k)).chain(values);
+        let row: Vec<String> = row.map(|own| own.to_string()).collect();
+        text += &(row.join(",") + "\n");
+    }
+    text
+}
+
+/// Three links in a horizontal plane.
+const THREE: &str = "\
+elbow = 'left'
+[[links]]
+segments = [{ length = 0.5, EI = 120, mass_per_length = 0.8 }]
+hub = { inertia = 0.02, viscous_friction = 0.5 }
+tip = { mass = 0.6 }
+damping = { model = 'rayleigh', beta = 5e-4 }
+[[links]]
+segments = [{ length = 0.4, EI = 60, mass_per_length = 0.5 }]
+hub = { inertia = 0.005, viscous_friction = 0.5 }
+tip = { mass = 0.3 }
+damping = { model = 'rayleigh', beta = 5e-4 }
+[[links]]
+segments = [{ length = 0.3, EI = 15, mass_per_length = 0.3 }]
+hub = { inertia = 0.005, viscous_friction = 0.2 }
+payload = { mass = 0.3 }
+damping = { model = 'rayleigh', beta = 5e-4 }
+";
+
+/// Steps on an arm at ends of the intervals: each error is at most the one that the step before predicts, and smaller than
+/// the one before. The last is less than a share of the first.
+fn learned_as_predicted(own: &mut Rig<'_>, (steps, left): (usize, f64)) {
+    own.solve();
+    let mut table = own.first.to_owned();
+    let (mut all, mut most) = (Vec::new(), f64::INFINITY);
+    for step in 0..steps {
+        own.measure(&table, (0.0, 0.0));
+        let next = format!("next{step}.csv");
+        let applied = Some(&*table).filter(|_| step > 0);
+        let told = own.bench.reply(&own.learn(applied, &["-o", &next, "--json"]));
+        let [rms, predicted] = ["rms_m", "predicted_rms_m"].map(|name| number(&told, name));
+        assert!(rms <= most, "step {step}: {rms} is above {most}");
+        all.push(rms);
+        (table, most) = (next, predicted);
+    }
+    assert!(all.is_sorted_by(|a, b| a > b) && all[steps - 1] < left * all[0], "{all:?}");
+}
+
+#[test]
+fn an_arm_of_three_links_learns_its_torques() {
+    let bench = Bench::new();
+    bench.write("arm.toml", THREE);
+    let columns = [("x", 0.9, -0.3), ("y", -0.2, 0.7), ("angle3", -0.4, 1.0)];
+    bench.write("motion.csv", &path(2, &columns));
+    let differs = ["links.*.segments.*.EI*=0.9", "links.2.payload.mass*=1.2"];
+    let uncertain = ["links.*.segments.*.EI*=±10%", "links.2.payload.mass=±20%"];
+    let own = rig(bench, "arm.toml", &differs, &uncertain);
+    let mut own = Rig { first: "out/torques.csv", tip: &["x_m", "y_m"], ..own };
+    learned_as_predicted(&mut own, (3, 5e-3));
+}
+
+#[test]
+fn an_arm_on_a_carriage_learns_its_efforts_and_its_motion() {
+    let gantry = std::fs::read_to_string(repository("specs/carriages/gantry_arm.toml")).unwrap();
+    let gantry = gantry.replace("hub = { inertia", "hub = { viscous_friction = 0.5, inertia");
+    let columns = [("x", 0.5, 0.8), ("y", -0.9, 0.4), ("carriage", 0.0, 0.4)];
+    let differs = ["links.*.segments.*.EI*=0.9", "links.fore.payload.mass*=1.2"];
+    let uncertain = ["links.*.segments.*.EI*=±10%", "links.fore.payload.mass=±20%"];
+    for (play, input, first, steps, names) in [
+        (
+            "effort",
+            "",
+            "out/torques.csv",
+            (3, 5e-3),
+            &["torque1_n_m", "torque2_n_m", "force_n"][..],
+        ),
+        (
+            "position",
+            "hub-angle",
+            "out/joint_angles.csv",
+            (2, 0.3),
+            &[
+                "joint1_rad",
+                "joint1_rate_rad_s",
+                "joint2_rad",
+                "joint2_rate_rad_s",
+                "carriage_m",
+                "carriage_velocity_m_s",
+            ],
+        ),
+    ] {
+        let bench = Bench::new();
+        bench.write("arm.toml", &gantry);
+        bench.write("motion.csv", &path(3, &columns));
+        let own = rig(bench, "arm.toml", &differs, &uncertain);
+        let model = &["gravity=[0,0]"];
+        let mut own = Rig { model, play, input, first, tip: &["x_m", "y_m"], ..own };
+        learned_as_predicted(&mut own, steps);
+        let table = own.bench.table("next1.csv").into_iter();
+        let found: Vec<String> = table.skip(1).map(|own| own.0).collect();
+        assert_eq!(found, names);
+        own.bench.refuses(3, &own.learn(Some(first), &[]), "is missing");
+    }
+}
+
 #[test]
 fn a_recording_of_something_else_is_refused() {
     let bench = bench_of("0.5", "1.6", "0.005");
@@ -336,6 +452,9 @@ fn a_recording_of_something_else_is_refused() {
     );
     refused(&table(&|[t, x]| Some([t, x + 0.3 * (t - 1.6).max(0.0)])), "after the motion");
     refused(&good.replace("tip_displacement_m", "hub_angle"), "tip is missing");
+    own.bench.write("measured.csv", &table(&|[t, x]| Some([t, x + 0.05 * (t - 1.6).max(0.0)])));
+    let told = own.bench.told(&own.learn(None, &[]));
+    assert!(told.contains("after the motion: the error at rest is not known"), "{told}");
 
     // A shift that is told, a constant offset, and a shift that is said to be the tip's.
     let reply = |text: &str, more: &[&str]| {

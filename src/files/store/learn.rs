@@ -43,11 +43,13 @@ pub fn write_next(
     (table, hold): (&Table, Hold),
     digits: Digits,
 ) -> io::Result<()> {
+    let links = arm.links().len();
     let form = Form::of(arm.links().iter().map(|own| &own.link));
+    let form = |joint: usize| if joint < links { form } else { Form::Carriage };
     let file = if hold == Hold::Position { &ANGLE } else { &TORQUE };
     let columns = table.joints.iter().enumerate().flat_map(|(joint, columns)| {
         columns.iter().enumerate().map(move |(number, values)| Column {
-            name: file.column(form, joint, number),
+            name: file.column(form(joint), joint, number),
             values: &values[..],
         })
     });

@@ -196,7 +196,8 @@ impl Curve {
         let arcs_m = self.arcs_m(law, steps, rest)?;
         let places_m: Vec<[f64; 2]> = arcs_m.iter().map(|arc_m| self.at(*arc_m)).collect();
         let carriage_m = arcs_m.iter().map(|arc_m| self.carriage_at(*arc_m)).collect();
-        Ok(PathColumns::of_tip(step_s, &places_m, outer_rad, carriage_m))
+        let held = outer_rad.iter().map(|angle_rad| vec![*angle_rad; places_m.len()]);
+        Ok(PathColumns::of_tip(step_s, &places_m, held, carriage_m))
     }
 
     /// Arc lengths in m at these samples.

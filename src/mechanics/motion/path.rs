@@ -46,27 +46,23 @@ pub struct PathColumns {
 }
 
 impl PathColumns {
-    /// Columns of a tip at these places in m, one a step from 0 s on, with constant directions in rad for links from
-    /// the third on, and the places of a carriage in m.
+    /// Columns of a tip at these places in m, one a step from 0 s on, with the directions in rad of each link from the
+    /// third on, and the places of a carriage in m.
     pub fn of_tip(
         step_s: f64,
         places_m: &[[f64; 2]],
-        outer_rad: &[f64],
+        outer_rad: impl IntoIterator<Item = Vec<f64>>,
         carriage_m: Option<Vec<f64>>,
     ) -> Self {
         let column =
             |name: String, values| PathColumn { name, values, recording: Recording::default() };
         let axis = |axis: usize| places_m.iter().map(|place| place[axis]).collect();
-        let held = |(link, angle_rad): (usize, &f64)| {
-            Some(column(format!("angle{}", link + 3), vec![*angle_rad; places_m.len()]))
-        };
+        let outer = outer_rad.into_iter().zip(3..);
+        let outer = outer.map(|(angle_rad, link)| Some(column(format!("angle{link}"), angle_rad)));
         Self {
             time_s: (0..places_m.len()).map(|k| k as f64 * step_s).collect(),
             tip: Some([column("x".to_owned(), axis(0)), column("y".to_owned(), axis(1))]),
-            angles: [None, None]
-                .into_iter()
-                .chain(outer_rad.iter().enumerate().map(held))
-                .collect(),
+            angles: [None, None].into_iter().chain(outer).collect(),
             carriage: carriage_m.map(|own| column("carriage".to_owned(), own)),
         }
     }

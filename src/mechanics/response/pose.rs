@@ -106,16 +106,20 @@ pub struct ArmPose {
     /// Place of the tip in m, and R of x and y.
     tip_m: [f64; 2],
     pub(super) tip_rows: [Vec<f64>; 2],
+    /// Turn of each link's chord by the coordinates.
+    chord_rows: Vec<Vec<f64>>,
     holding_n_m: Vec<f64>,
     pub(super) has_weight: bool,
 }
 
-/// Response to a torque at one joint, per N m.
+/// Response to a torque at one joint, per N m, or to a force on the carriage, per N.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueResponse {
     /// Displacement of the tip along x and y in m.
     pub tip_m: [Complex64; 2],
-    /// Angle of each joint in rad.
+    /// Direction of each link's chord in rad.
+    pub chords_rad: Vec<Complex64>,
+    /// Angle of each joint in rad, then place of the carriage in m.
     pub joints_rad: Vec<Complex64>,
 }
 
@@ -124,7 +128,7 @@ pub struct TorqueResponse {
 pub struct ArmResponse {
     /// Frequency in Hz.
     pub frequency_hz: f64,
-    /// Responses to the torque of each joint, the inner one first.
+    /// Responses to the torque of each joint, the inner one first, then to the force on the carriage.
     pub torques: Vec<TorqueResponse>,
 }
 
@@ -134,12 +138,16 @@ impl ArmPose {
     ///
     /// # Errors
     /// [`PoseError`].
-    pub fn of(
+    pub fn of(arm: &Arm, directions_rad: &[f64], orders: (f64, usize)) -> Result<Self, PoseError> {
+        Self::of_all_joints(&arm.held(), directions_rad, orders)
+    }
+
+    /// [`ArmPose::of`] with the carriage as a joint.
+    pub(super) fn of_all_joints(
         arm: &Arm,
         directions_rad: &[f64],
         (highest_rad_s, more_orders): (f64, usize),
     ) -> Result<Self, PoseError> {
-        let arm = &arm.held();
         let (given, links) = (directions_rad.len(), arm.links().len());
         if given != links {
             return Err(PoseError::Directions { given, links });
@@ -168,7 +176,11 @@ impl ArmPose {
         let rest = vec![0.0; count];
         let mut balance = Balance::default();
         chain.balance(&q, &rest, &mut balance);
-        let tip = chain.walk(&q, &rest, |_, _| {}).pop().unwrap_or_default();
+        let mut ends = chain.walk(&q, &rest, |_, _| {});
+        let base = chain.base(&q, &rest);
+        let joints = std::iter::once(&base).chain(&ends);
+        let chord_rows = joints.zip(&ends).map(|(from, to)| turn_of_chord(from, to)).collect();
+        let tip = ends.pop().unwrap_or_default();
         let mut stiffness = chain.stiffness.clone();
         if arm.has_weight() {
             let added = chain.weight_stiffness(&q);
@@ -189,6 +201,7 @@ impl ArmPose {
             friction_n_m_s_rad: chain.friction_n_m_s_rad.clone(),
             tip_m: tip.at_m.map(|part| without_noise(part, length_m)),
             tip_rows: tip.by,
+            chord_rows,
             has_weight: arm.has_weight(),
             chain,
             rest: q,
@@ -259,6 +272,7 @@ impl ArmPose {
             let along = |row: &Vec<f64>| row.iter().zip(q.iter()).map(|(r, q)| q * *r).sum();
             TorqueResponse {
                 tip_m: self.tip_rows.each_ref().map(along),
+                chords_rad: self.chord_rows.iter().map(along).collect(),
                 joints_rad: self.joints.iter().map(|joint| q[*joint]).collect(),
             }
         };
@@ -300,6 +314,13 @@ impl Linkage {
         let both = |at: usize| 0.5 * (slopes[at] + slopes[at % count * count + at / count]);
         (0..count * count).map(both).collect()
     }
+}
+
+/// Turn by the coordinates of the line from one place to another.
+fn turn_of_chord(from: &Place, to: &Place) -> Vec<f64> {
+    let [x, y] = [0, 1].map(|axis| to.at_m[axis] - from.at_m[axis]);
+    let by = |axis: usize, k: usize| to.by[axis][k] - from.by[axis][k];
+    (0..to.by[0].len()).map(|k| (x * by(1, k) - y * by(0, k)) / (x * x + y * y)).collect()
 }
 
 /// A part of a sum of this size, 0 where it is round-off.

@@ -337,8 +337,8 @@ fn changes(modes: &[PoseMode], before: Option<&SettledModes>) -> Vec<f64> {
     modes.iter().enumerate().map(change).collect()
 }
 
-/// The responses of an arm about a pose at frequencies above 0. They settle to `tolerance`, or [`ArmResponses::errors`]
-/// exceed it.
+/// The responses of an arm about a pose at frequencies above 0; a carriage moves as a joint. They settle to `tolerance`, or
+/// [`ArmResponses::errors`] exceed it.
 ///
 /// # Errors
 /// [`PoseError`].
@@ -351,7 +351,7 @@ pub fn arm_responses(
     let highest_hz = frequencies_hz.iter().copied().fold(0.0, f64::max);
     let on = |more_orders: usize, before: Option<&ArmResponses>| {
         let highest_rad_s = std::f64::consts::TAU * highest_hz;
-        let pose = ArmPose::of(arm, directions_rad, (highest_rad_s, more_orders))?;
+        let pose = ArmPose::of_all_joints(arm, directions_rad, (highest_rad_s, more_orders))?;
         let rows: Vec<_> = frequencies_hz.par_iter().map(|hertz| pose.response(*hertz)).collect();
         let errors = match before {
             None => vec![f64::NAN; rows.len()],

@@ -2,17 +2,22 @@
 //!
 //! A step adds the nominal inverse of the error to the effort. On a plant with another response the error becomes
 //! `(1 − G_true/G) E`, so it shrinks where `|G_true/G − 1| < 1`.
+//!
+//! Of an arm G is the matrix of responses to the efforts of all joints: of x and y of the tip, and of what its motion
+//! prescribes beside them, whose correction is 0. The factor on the error of the tip is then the part of
+//! `1 − G_true G⁻¹` in the rows and columns of x and y, and its largest singular value counts.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
+use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use super::error::LearnError;
+use super::recorded::smooth;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::Arm;
 use crate::model::{FrequencyResponse, KeptModes, model_of, responses_with_weight};
-use crate::numeric::magnitude;
-use crate::response::{ArmResponse, arm_responses};
+use crate::response::{ArmResponse, TorqueResponse, arm_responses};
 use crate::robust::Hold;
 
 /// Numbers of frequencies for one link and for a pose of an arm.
@@ -34,19 +39,16 @@ pub struct Plant<'a> {
     pub delay_s: f64,
 }
 
-/// Response of the tip's coordinates to the joints at one frequency. That of one link is both elements of the
-/// diagonal.
-type Matrix = [[Complex64; 2]; 2];
+/// Response of the tip, and of what is prescribed beside it, to each joint at one frequency.
+type Matrix = DMatrix<Complex64>;
 
 /// Responses in each pose at each frequency.
 pub type Responses = Vec<Vec<Matrix>>;
 
-const ONE: Complex64 = Complex64::new(1.0, 0.0);
-
 /// Responses of the tip to the efforts or to the positions of the joints, about poses with these directions in rad.
 ///
 /// # Errors
-/// [`LearnError`] of a link without model, and of an arm with other than two links.
+/// [`LearnError`] of a link without model, and of a pose without response.
 pub fn responses(
     plant: &Plant<'_>,
     hold: Hold,
@@ -57,11 +59,10 @@ pub fn responses(
         let late = |(rows, hertz): (Matrix, &f64)| {
             let angle = -TAU * hertz * delay_s;
             let turn = Complex64::new(libm::cos(angle), libm::sin(angle));
-            rows.map(|row| row.map(|value| value * turn))
+            rows * turn
         };
         rows.into_iter().zip(frequencies_hz).map(late).collect::<Vec<_>>()
     };
-    let alone = |value: Complex64| [[value, Complex64::ZERO], [Complex64::ZERO, value]];
     if let Some(link) = arm.alone()
         && (link.joint().slides() || !link.has_weight())
     {
@@ -82,47 +83,48 @@ pub fn responses(
             Hold::Position => row.hub_angle_per_tip_displacement_rad_m.inv(),
             Hold::Effort | Hold::Feedback => row.tip_displacement_per_torque_1_n,
         };
-        return Ok(vec![delayed(rows.iter().map(|row| alone(value(row))).collect())]);
-    }
-    if arm.carriage().is_some() || arm.links().len() > 2 {
-        return Err(LearnError::Links);
+        return Ok(vec![delayed(
+            rows.iter().map(|row| Matrix::from_element(1, 1, value(row))).collect(),
+        )]);
     }
     let tolerance = MeshPlan::smallest_tolerance(meshes);
     let in_pose = |directions_rad: &Vec<f64>| {
         let found = arm_responses(arm, directions_rad, frequencies_hz, tolerance)?;
-        let matrix = |own: &ArmResponse| {
-            let joint = |column: usize, row: usize| own.torques[column].joints_rad[row];
+        let prescribed = |own: &TorqueResponse| {
+            let [x, y] = own.tip_m;
             if arm.alone().is_some() {
-                let [x, y] = own.torques[0].tip_m;
                 let [sin, cos] = [libm::sin, libm::cos].map(|of| of(directions_rad[0]));
-                let tip = y * cos - x * sin;
-                return alone(if hold == Hold::Position { tip / joint(0, 0) } else { tip });
+                return vec![y * cos - x * sin];
             }
-            let tip = [0, 1].map(|row| [0, 1].map(|column| own.torques[column].tip_m[row]));
-            let joints = [0, 1].map(|row| [0, 1].map(|column| joint(column, row)));
-            if hold == Hold::Position { over(&tip, &joints) } else { tip }
+            [&[x, y], &own.chords_rad[2..], &own.joints_rad[arm.links().len()..]].concat()
+        };
+        let matrix = |own: &ArmResponse| {
+            let columns = |of: &dyn Fn(&TorqueResponse) -> Vec<Complex64>| {
+                let columns: Vec<_> = own.torques.iter().map(of).collect();
+                Matrix::from_fn(columns.len(), columns.len(), |row, column| columns[column][row])
+            };
+            let efforts = columns(&prescribed);
+            match hold {
+                Hold::Position => over(&efforts, &columns(&|own| own.joints_rad.clone())),
+                Hold::Effort | Hold::Feedback => efforts,
+            }
         };
         Ok(delayed(found.rows.iter().map(matrix).collect()))
     };
     poses_rad.iter().map(in_pose).collect()
 }
 
-/// A B⁻¹.
-fn over([[a, b], [c, d]]: &Matrix, [[p, q], [r, s]]: &Matrix) -> Matrix {
-    let determinant = p * s - q * r;
-    [[a * s - b * r, b * p - a * q], [c * s - d * r, d * p - c * q]]
-        .map(|row| row.map(|value| value / determinant))
+/// A B⁻¹, not finite without inverse.
+fn over(a: &Matrix, b: &Matrix) -> Matrix {
+    let found = b.transpose().lu().solve(&a.transpose());
+    found.map_or_else(|| a * Complex64::from(f64::NAN), |found| found.transpose())
 }
 
-/// Largest singular value of A B⁻¹ − 1.
+/// Largest singular value of the tip's part of A B⁻¹ − 1.
 fn ratio(a: &Matrix, b: &Matrix) -> f64 {
-    let [[p, q], [r, s]] = over(a, b);
-    let (p, s) = (p - ONE, s - ONE);
-    let sum: f64 = [p, q, r, s].map(|value| magnitude(value).powi(2)).iter().sum();
-    let determinant = magnitude(p * s - q * r);
-    let root = (sum * sum - 4.0 * determinant * determinant).max(0.0).sqrt();
-    let found = (0.5 * (sum + root)).sqrt();
-    if found.is_nan() { f64::INFINITY } else { found }
+    let measured = a.nrows().min(2);
+    let own = over(a, b).view((0, 0), (measured, measured)) - Matrix::identity(measured, measured);
+    if own.norm_squared().is_finite() { own.singular_values().max() } else { f64::INFINITY }
 }
 
 /// Largest `|G_true/G − 1|` of all plants and poses over frequency.
@@ -187,7 +189,7 @@ impl Band {
     /// Share of the error at a frequency in Hz that is corrected.
     pub fn weight(&self, hertz: f64) -> f64 {
         let share = (hertz - self.whole_until_hz()) / (self.end_hz - self.whole_until_hz());
-        0.5 + 0.5 * libm::cos(PI * share.clamp(0.0, 1.0))
+        1.0 - smooth(share)
     }
 
     /// Contraction at a frequency in Hz of the band.

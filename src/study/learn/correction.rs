@@ -97,6 +97,11 @@ impl Correction {
             moved.push((0..len).map(at).collect::<Vec<f64>>());
         }
         let time_s: Vec<f64> = (0..len).map(|k| grid.time_s(k)).collect();
+        let beside = (moved.len()..wanted.len()).map(|own| {
+            let at = |time_s: &f64| wanted.at_m(own, *time_s);
+            time_s.iter().map(at).collect::<Vec<f64>>()
+        });
+        moved.extend(beside);
         let motion = motion_of(solution, time_s, moved)?;
         let ratio = |part: f64, whole: f64| if whole > 0.0 { (part / whole).sqrt() } else { 0.0 };
         let rms_m = |energy: f64| (energy / own.len as f64).sqrt();
@@ -109,15 +114,15 @@ impl Correction {
     }
 }
 
-/// A motion of the same link or arm through these places.
+/// A motion of the same link or arm with these histories of what it prescribes, in the order of [`Wanted`].
 fn motion_of(
     solution: &Solution,
     time_s: Vec<f64>,
-    mut at_m: Vec<Vec<f64>>,
+    mut wanted: Vec<Vec<f64>>,
 ) -> Result<Motion, LearnError> {
     let start_angle_rad = solution.motion.recording().start_angle_rad;
     if solution.arm.alone().is_some() {
-        let displacement_m = Some(at_m.remove(0));
+        let displacement_m = Some(wanted.remove(0));
         let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
         let motion = TipMotion::new(columns)?;
         return Ok(Motion::Tip(
@@ -125,8 +130,10 @@ fn motion_of(
         ));
     }
     let step_s = time_s[1] - time_s[0];
-    let places: Vec<[f64; 2]> = at_m[0].iter().zip(&at_m[1]).map(|(x, y)| [*x, *y]).collect();
-    let columns = PathColumns { time_s, ..PathColumns::of_tip(step_s, &places, &[], None) };
+    let places: Vec<[f64; 2]> = wanted[0].iter().zip(&wanted[1]).map(|(x, y)| [*x, *y]).collect();
+    let carriage_m = solution.arm.carriage().and_then(|_| wanted.pop());
+    let columns = PathColumns::of_tip(step_s, &places, wanted.split_off(2), carriage_m);
+    let columns = PathColumns { time_s, ..columns };
     Ok(Motion::Path(ArmPath::new(columns, &solution.arm.lengths_m())?))
 }
 

@@ -15,9 +15,6 @@ pub enum LearnError {
     /// A motion without rest at its ends.
     #[error("the motion moves at its ends, but must rest there to be learned")]
     Moves,
-    /// An arm whose inverse is not its response to two joints.
-    #[error("learn is for one link or an arm of two links on a hub")]
-    Links,
     /// A recording without the tip.
     #[error("{channel} is missing, but learn needs the measured tip")]
     NoTip {
@@ -120,7 +117,6 @@ impl LearnError {
     pub fn hint(&self) -> Option<String> {
         let text = match self {
             Self::Moves => "use a motion from rest to rest",
-            Self::Links => "a longer arm has several inverses of the same tip",
             Self::NoTip { .. } => "record the tip: `tip` of a link, `x` and `y` of an arm",
             Self::TooShort { .. } => {
                 "record the whole motion, and count its time from the same instant: --shift TIME"

@@ -42,13 +42,16 @@ pub struct Recorded {
     pub offset_m: Vec<f64>,
     /// Straight lines through the last quarter of the error at rest along each axis: the end in m, and the slope in m per sample.
     rest_m: Vec<[f64; 2]>,
+    /// Way of the mean tip after the motion, in at most the time of the motion, over the travel.
+    pub moves_after: f64,
     /// Number of the first sample after the motion.
     after: usize,
     /// Number of the first sample of the motion.
     before: usize,
 }
 
-/// The wanted tip at any time.
+/// The wanted tip at any time, then what the motion of an arm prescribes beside it: the directions of the links from the
+/// third on in rad, and the place of the carriage in m.
 pub(super) struct Wanted {
     splines: Vec<CubicSpline>,
     grid: TimeGrid,
@@ -57,8 +60,16 @@ pub(super) struct Wanted {
 impl Wanted {
     pub(super) fn of(solution: &Solution) -> Self {
         let spline = |at_m: &Vec<f64>| CubicSpline::uniform(at_m, SplineEnds::Clamped);
-        let splines = solution.tip.iter().map(|axis| spline(&axis.displacement_m)).collect();
-        Self { splines, grid: solution.grid }
+        let tip = solution.tip.iter().map(|axis| &axis.displacement_m);
+        let outer = solution.shapes().skip(2).map(|shape| &shape.chord[0]);
+        let carriage = solution.joints.iter().skip(solution.links.len());
+        let all = tip.chain(outer).chain(carriage.map(|own| &own.angle_rad));
+        Self { splines: all.map(spline).collect(), grid: solution.grid }
+    }
+
+    /// Number of the quantities.
+    pub(super) fn len(&self) -> usize {
+        self.splines.len()
     }
 
     pub(super) fn at_m(&self, axis: usize, time_s: f64) -> f64 {
@@ -117,8 +128,9 @@ impl Recorded {
         }
         let compared = Compared::of(&rows, &wanted, [motion_s[0], motion_s[1] + 0.5 * lasts_s]);
         compared.check(lasts_s, shift_s.is_none().then_some(lag_s))?;
-        rows.check_after(travel_m, (motion_s[1], lasts_s))?;
-        Ok(Self::on_grid(&rows, &wanted, (solution, motion_s), offset_m))
+        let moves_after = rows.way_after(travel_m, (motion_s[1], lasts_s))?;
+        let own = Self::on_grid(&rows, &wanted, (solution, motion_s), offset_m);
+        Ok(Self { moves_after, ..own })
     }
 
     /// The error at the samples of the solution, and as long after it as the motion lasts.
@@ -154,7 +166,7 @@ impl Recorded {
             [mean + 0.5 * slope * (own.len - 1 - from) as f64, slope]
         };
         let rest_m = error_m.iter().map(rest).collect();
-        Self { grid: own, error_m, offset_m, rest_m, after, before }
+        Self { grid: own, error_m, offset_m, rest_m, moves_after: 0.0, after, before }
     }
 
     /// Root mean square and largest size of the error in m.
@@ -219,8 +231,8 @@ impl Rows {
         self.at_m.iter().enumerate().map(offset).collect()
     }
 
-    /// Refuses a tip whose mean still moves after the motion.
-    fn check_after(&self, travel_m: f64, (end_s, lasts_s): (f64, f64)) -> Result<(), LearnError> {
+    /// Way of the mean tip after the motion over the travel; a large one is refused.
+    fn way_after(&self, travel_m: f64, (end_s, lasts_s): (f64, f64)) -> Result<f64, LearnError> {
         let first = self.time_s.partition_point(|time_s| *time_s <= end_s);
         let from = first + (self.time_s.len() - first) / 2;
         // A line through a short rest says nothing about the time after it.
@@ -233,7 +245,7 @@ impl Rows {
         if share > RESTS_AFTER {
             Err(LearnError::NoRest { is_before: false, share })
         } else {
-            Ok(())
+            Ok(share)
         }
     }
 }

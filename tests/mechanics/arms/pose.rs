@@ -2,14 +2,20 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use flexlink::beam::ElementCount;
+use flexlink::learn::{Contraction, Plant, responses};
 use flexlink::link::{
-    Arm, ArmLink, ArmParts, Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload, Segment,
+    Arm, ArmCarriage, ArmLink, ArmParts, Carriage, Damping, Drive, Hub, Link, LinkParts,
+    LumpedMass, Payload, Segment,
 };
 use flexlink::modal::{held_frequencies, natural_frequencies};
+use flexlink::model::KeptModes;
 use flexlink::response::{ArmModes, ArmPose, PoseError, arm_modes, arm_responses};
+use flexlink::robust::Hold;
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector4};
 use num_complex::Complex64;
 
+use super::inversion::plans;
 use crate::common::mesh_of;
 
 const TOLERANCE: f64 = 1e-8;
@@ -136,6 +142,110 @@ fn they_respond_to_torques_as_a_double_pendulum_with_friction() {
             for (found, exact) in found.iter().zip(&exact) {
                 assert!((found - exact).norm() < 1e-6 * exact.norm(), "{found} {exact}");
             }
+        }
+    }
+}
+
+/// Rigid links of 0.5, 0.4 and 0.3 m with these masses in kg at their tips, and a carriage of a mass in kg.
+struct Rigid<'a> {
+    carried: &'a [f64],
+    carriage: Option<f64>,
+}
+
+const LENGTHS_M: [f64; 3] = [0.5, 0.4, 0.3];
+const MASSES: [f64; 3] = [0.8, 0.5, 0.3];
+const HUBS: [f64; 3] = [0.02, 0.005, 0.004];
+const AXIS: [f64; 2] = [0.6, 0.8];
+
+impl Rigid<'_> {
+    fn arm(&self) -> Arm {
+        let link = |(k, mass_kg): (usize, &f64)| {
+            let link = Link::builder()
+                .segment(Segment::uniform(LENGTHS_M[k], 1e9, MASSES[k]))
+                .hub_inertia_kg_m2(HUBS[k])
+                .payload(Payload { mass_kg: *mass_kg, ..Payload::default() });
+            ArmLink { name: None, link: link.build().expect("a valid link") }
+        };
+        let carriage = self.carriage.map(|mass_kg| ArmCarriage {
+            carriage: Carriage { mass_kg, viscous_friction_n_s_m: 0.0 },
+            axis: AXIS,
+        });
+        let links = self.carried.iter().enumerate().map(link).collect();
+        Arm::new(ArmParts { links, carriage, ..ArmParts::default() }).expect("a valid arm")
+    }
+
+    /// Movement of a place on a link, a share of the link from its joint, by the directions of the links and the carriage.
+    fn moved(&self, link: usize, share: f64, pose: &[f64]) -> DMatrix<f64> {
+        DMatrix::from_fn(2, self.count(), |axis, k| match k {
+            _ if k == self.carried.len() => AXIS[axis],
+            _ if k > link => 0.0,
+            _ => {
+                let across = [-pose[k].sin(), pose[k].cos()];
+                across[axis] * LENGTHS_M[k] * if k == link { share } else { 1.0 }
+            }
+        })
+    }
+
+    fn count(&self) -> usize {
+        self.carried.len() + usize::from(self.carriage.is_some())
+    }
+
+    /// Mass on these coordinates; Simpson's rule is exact.
+    fn mass(&self, pose: &[f64]) -> DMatrix<f64> {
+        let mut mass = DMatrix::zeros(self.count(), self.count());
+        for (link, carried) in self.carried.iter().enumerate() {
+            let own = LENGTHS_M[link] * MASSES[link] / 6.0;
+            for (share, kg) in [(0.0, own), (0.5, 4.0 * own), (1.0, own + carried)] {
+                let moved = self.moved(link, share, pose);
+                mass += kg * moved.transpose() * moved;
+            }
+            mass[(link, link)] += HUBS[link];
+        }
+        if let Some(kg) = self.carriage {
+            mass[(self.carried.len(), self.carried.len())] += kg;
+        }
+        mass
+    }
+
+    /// The tip, the directions of the links from the third on and the carriage, by the coordinates.
+    fn prescribed(&self, pose: &[f64]) -> DMatrix<f64> {
+        let mut rows = DMatrix::identity(self.count(), self.count());
+        rows.rows_mut(0, 2).copy_from(&self.moved(self.carried.len() - 1, 1.0, pose));
+        rows
+    }
+}
+
+/// y = C q and M q̈ = τ for both arms, so that `G_true G⁻¹ = C M_true⁻¹ M C⁻¹`. Positions of joints place any rigid arm.
+#[test]
+fn the_error_of_rigid_arms_shrinks_in_learn_by_their_masses() {
+    for (own, other) in [
+        (([0.6, 0.3].as_slice(), None), ([0.6, 0.45].as_slice(), None)),
+        ((&[0.6, 0.3, 0.2], None), (&[0.7, 0.3, 0.3], None)),
+        ((&[0.6, 0.3], Some(5.0)), (&[0.6, 0.4], Some(8.0))),
+        ((&[0.6, 0.3, 0.2], Some(5.0)), (&[0.6, 0.3, 0.3], Some(3.0))),
+    ] {
+        let [own, other] = [own, other].map(|(carried, carriage)| Rigid { carried, carriage });
+        let pose = &[-0.4, 0.9, 1.7][..own.carried.len()];
+        let rows = own.prescribed(pose);
+        let inverse = rows.clone().try_inverse().expect("a pose with an inverse");
+        let true_inverse = other.mass(pose).try_inverse().expect("a mass");
+        let factor = rows * true_inverse * own.mass(pose) * inverse;
+        let left = DMatrix::identity(2, 2) - factor.view((0, 0), (2, 2));
+        let squares = left.transpose() * &left;
+        let (half, product) = (0.5 * squares.trace(), squares.determinant());
+        let exact = (half + (half * half - product).sqrt()).sqrt();
+        for (hold, exact) in [(Hold::Effort, exact), (Hold::Position, 0.0)] {
+            let frequencies_hz = vec![0.5, 1.0];
+            let of = |arm: &Rigid<'_>| {
+                let (arm, kept) = (&arm.arm(), KeptModes::All);
+                let meshes = &plans(arm, ElementCount::Total(2))[..];
+                let plant = Plant { arm, meshes, kept, delay_s: 0.0 };
+                responses(&plant, hold, (&[pose.to_vec()], &frequencies_hz)).expect("responses")
+            };
+            let [own, other] = [&own, &other].map(of);
+            let found = Contraction::of(frequencies_hz.clone(), &own, &[other]);
+            let found = found.band().expect("a band").contraction(0.5);
+            assert!((found - exact).abs() < 1e-6, "{found} is not {exact}");
         }
     }
 }
