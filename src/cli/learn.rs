@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::problem::Problem;
-use super::robust::Plants;
+use super::robust::{Plants, RobustOptions, not_played};
 use crate::cli::options::common::{digits_arguments, option, seconds};
 use crate::cli::options::inputs::{
     ChangeArgs, LINK, MOTION, MotionArgs, ReadArgs, ResampleArgs, ScaleArgs, tell,
@@ -29,7 +29,7 @@ use crate::learn::{
 use crate::link::Arm;
 use crate::numeric::largest;
 use crate::result::{ChannelRecording, Limits, Notice};
-use crate::robust::{Hold, How, Key, Values, directions_rad};
+use crate::robust::{Command, Hold, How, Key, Thinned, Values, directions_rad};
 use crate::spec::{Override, Specification, Uncertain};
 use crate::store::{Fingerprint, LearnInputs, record_json, write_next};
 use crate::text::{shown_path, significant};
@@ -281,10 +281,13 @@ impl LearnOptions {
         let corrected = Self::corrected(problem, &correction, stages)?;
         let holds = hold == Hold::Position || arm.has_weight();
         let next = table.changed([&own, &Table::of(&corrected, hold)], holds);
+        stages.at("playing plants");
+        let tables = [table, &next];
+        let played_rms_m = self.played_rms_m((problem, solution), &recorded, plants, tables)?;
         let summary = LearnSummary::of(
             (solution, &recorded, self.shift.unwrap_or(0.0)),
             (&plants.keys, count),
-            (&band, &correction),
+            (&band, &correction, played_rms_m),
             (&next, hold),
         );
         let mut warnings = self.warnings_of(&next, limits, arm);
@@ -403,6 +406,41 @@ impl LearnOptions {
         let all: Vec<_> = all.par_iter().map(of_plant).collect::<Result<_, _>>()?;
         let contraction = Contraction::of(frequencies_hz, &nominal, &all);
         Ok((contraction.band().map_err(refused)?, all.len()))
+    }
+
+    /// Largest root mean square in m of the next error: of the measured one less the change of the tip from the applied table to
+    /// the next, as the plants of the intervals play both.
+    fn played_rms_m(
+        &self,
+        (problem, solution): (&Problem, &Solution),
+        recorded: &Recorded,
+        plants: &Plants,
+        tables: [&Table; 2],
+    ) -> Result<f64, Failure> {
+        let Specification { arm, meshes, .. } = &problem.specification;
+        let (hold, until_s) = (self.hold(), recorded.grid.end_s());
+        let failed = |error| not_played(&error, arm);
+        let command = |table: &Table| {
+            let end_s = solution.grid.time_s(solution.moving.1);
+            let histories = table.histories(solution, hold);
+            let how = (hold, &[][..], Thinned::No);
+            let command = RobustOptions::command(problem, solution, (&histories, end_s), how)?;
+            command.refined(arm, meshes).map_err(failed)
+        };
+        let [applied, next] = [command(tables[0])?, command(tables[1])?];
+        let of_plant = |values: &Values| {
+            let own = plants.with(values)?;
+            let tip = |command: &Command| {
+                let how = (plants.delay_s(values), until_s, until_s);
+                let played = command.plant((&own.arm, &own.meshes), how, &[]).map_err(failed)?;
+                Ok::<_, Failure>(command.over_time(played.error_m))
+            };
+            let [before, after] = [tip(&applied)?, tip(&next)?];
+            let change_m = |axis, time_s| after(axis, time_s) - before(axis, time_s);
+            Ok(recorded.rms_and_peak_less_m(change_m)[0])
+        };
+        let all = plants.ends().par_iter().map(of_plant).collect::<Result<Vec<f64>, Failure>>()?;
+        Ok(all.into_iter().fold(0.0, f64::max))
     }
 
     /// The solution of the corrected motion.

@@ -421,7 +421,7 @@ impl RobustOptions {
     }
 
     /// The command of these histories, which end at `end_s`, with a hold.
-    fn command(
+    pub(in crate::cli) fn command(
         problem: &Problem,
         solution: &Solution,
         histories: (&Histories, f64),
@@ -607,7 +607,7 @@ fn command_refused(error: &CommandError) -> Failure {
     Failure::new(Exit::InputRefused, error, None)
 }
 
-fn not_played(error: &SimulationError, arm: &Arm) -> Failure {
+pub(in crate::cli) fn not_played(error: &SimulationError, arm: &Arm) -> Failure {
     let (message, hint) = refusal(error, arm);
     Failure::new(Exit::NotSolvable, &message, hint.as_deref())
 }

@@ -9,7 +9,7 @@ use crate::numeric::{
     CubicSpline, FourierPair, SplineEnds, TimeGrid, extremes, fast_length, largest, magnitude,
 };
 use crate::response::{HubReference, Torque};
-use crate::robust::Hold;
+use crate::robust::{Histories, Hold};
 
 /// Rests before and after the recording in periods of the band's end, in which the filtered error comes to rest.
 const RESTS: f64 = 2.0;
@@ -31,7 +31,7 @@ pub struct Correction {
     pub motion: Motion,
     /// Contraction in the band, weighted by the error's spectrum.
     pub contraction: f64,
-    /// Largest root mean square in m of the next error of a link within the intervals, without noise.
+    /// Largest root mean square in m of the next error of a link within the intervals, without noise, for small motions.
     pub predicted_rms_m: f64,
     /// Root mean squares in m of the error in the band, and of the largest that the answer of `solve` makes there on a link
     /// within the intervals.
@@ -154,6 +154,27 @@ impl Table {
             Hold::Effort | Hold::Feedback => vec![joint.torque_n_m.clone()],
         });
         Self { grid: solution.grid, joints: joints.collect() }
+    }
+
+    /// The table as histories that a plant plays, beside the wanted tip of a solution. Joints whose positions are not played
+    /// have those of its start.
+    pub fn histories(&self, solution: &Solution, hold: Hold) -> Histories {
+        let (grid, wanted) = (self.grid, Wanted::of(solution));
+        let axis = |axis| (0..grid.len).map(|k| wanted.at_m(axis, grid.time_s(k))).collect();
+        let pairs = self.joints.iter().zip(&solution.joints);
+        let (efforts, positions) = pairs
+            .map(|(columns, joint)| match hold {
+                Hold::Position => {
+                    let rate = columns.get(1).cloned().unwrap_or_default();
+                    (vec![0.0; grid.len], [columns[0].clone(), rate])
+                }
+                Hold::Effort | Hold::Feedback => {
+                    (columns[0].clone(), [vec![joint.angle_rad[0]; grid.len], Vec::new()])
+                }
+            })
+            .unzip();
+        let wanted_m = (0..solution.tip.len()).map(axis).collect();
+        Histories { grid, efforts, positions, wanted_m }
     }
 
     /// Efforts of the joints.

@@ -171,9 +171,19 @@ impl Recorded {
 
     /// Root mean square and largest size of the error in m.
     pub fn rms_and_peak_m(&self) -> [f64; 2] {
-        let squares = (0..self.grid.len).map(|k| self.error_m.iter().map(|e| e[k] * e[k]).sum());
-        let (sum, most) = squares
-            .fold((0.0_f64, 0.0_f64), |(sum, most), square: f64| (sum + square, most.max(square)));
+        self.rms_and_peak_less_m(|_, _| 0.0)
+    }
+
+    /// The same of the error less a change of the tip in m along an axis at a time in s.
+    pub fn rms_and_peak_less_m(&self, change_m: impl Fn(usize, f64) -> f64) -> [f64; 2] {
+        let square = |k: usize| {
+            let axes = self.error_m.iter().enumerate();
+            let left = axes.map(|(axis, e)| e[k] - change_m(axis, self.grid.time_s(k)));
+            left.map(|left| left * left).sum::<f64>()
+        };
+        let (sum, most) = (0..self.grid.len)
+            .map(square)
+            .fold((0.0_f64, 0.0_f64), |(sum, most), square| (sum + square, most.max(square)));
         [(sum / self.grid.len as f64).sqrt(), most.sqrt()]
     }
 

@@ -40,7 +40,8 @@ pub struct LearnSummary {
     pub contraction_hz: f64,
     /// Contraction in the band, weighted by the error's spectrum.
     pub weighted_contraction: f64,
-    /// Largest root mean square in m of the next error of a link within the intervals, without noise.
+    /// Largest root mean square in m of the next error of a link within the intervals, without noise: by the contraction, or when
+    /// the plants play the next table.
     pub predicted_rms_m: f64,
     /// Root mean squares in m of the error in the band, and of the largest that the answer of `solve` makes there on a link
     /// within the intervals.
@@ -52,11 +53,11 @@ pub struct LearnSummary {
 }
 
 impl LearnSummary {
-    /// The numbers of a step with these plants.
+    /// The numbers of a step with these plants, of which the worst leaves an error of `played_rms_m` when it plays the table.
     pub fn of(
         (solution, recorded, shift_s): (&Solution, &Recorded, f64),
         (keys, plants): (&[Key], usize),
-        (band, correction): (&Band, &Correction),
+        (band, correction, played_rms_m): (&Band, &Correction, f64),
         (next, play): (&Table, Hold),
     ) -> Self {
         let [rms_m, peak_m] = recorded.rms_and_peak_m();
@@ -77,7 +78,7 @@ impl LearnSummary {
             contraction,
             contraction_hz,
             weighted_contraction: correction.contraction,
-            predicted_rms_m: correction.predicted_rms_m,
+            predicted_rms_m: correction.predicted_rms_m.max(played_rms_m),
             in_band_rms_m: correction.in_band_rms_m,
             next_s: [next.grid.time_s(0), next.grid.end_s()].map(|s| rounded(s, 9)),
             rows: next.grid.len,

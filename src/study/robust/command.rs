@@ -332,6 +332,18 @@ impl Command {
         Self { common_m, ..self }
     }
 
+    /// An error of a play along each axis at any time in s: that of the first sample before it, that of the last after it.
+    pub fn over_time(&self, error_m: Vec<Vec<f64>>) -> impl Fn(usize, f64) -> f64 + use<> {
+        let grid = self.grid;
+        let spline = |own: &Vec<f64>| CubicSpline::uniform(own, SplineEnds::NotAKnot);
+        let splines: Vec<CubicSpline> = error_m.iter().map(spline).collect();
+        let last = (error_m[0].len() - 1) as f64;
+        move |axis, time_s| {
+            let steps = (time_s - grid.time_s(0)) / grid.step_s;
+            splines[axis].value(steps.clamp(0.0, last))
+        }
+    }
+
     /// Time in s of a sample, also after the last one of the command.
     pub fn time_s(&self, sample: usize) -> f64 {
         self.grid.time_s(sample)
