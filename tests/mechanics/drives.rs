@@ -17,7 +17,7 @@ use flexlink::link::{
 };
 use flexlink::model::Sensor;
 use flexlink::response::{
-    Input, Interpolation, Play, Played, SimulationError, Start, Torque, simulate,
+    Input, Interpolation, Play, Played, SimulationError, SimulationWarning, Start, Torque, simulate,
 };
 use flexlink::spec::{FreeValue, LinkDocument, Override};
 
@@ -290,7 +290,12 @@ fn losses_at_large_angles_are_those_of_the_linear_link_where_it_bends_little() {
 /// Efforts of the motors of an arm, and its motion under them.
 fn swinging_arm(volts: &dyn Fn(f64) -> f64) -> ([Drive; 2], [Torque; 2], Played) {
     let first = Drive { friction_rate_rad_s: None, ..DRIVE };
-    let second = Drive { rotor_inertia_kg_m2: 0.0, coulomb_friction_n_m: 0.2, ..DRIVE };
+    let second = Drive {
+        rotor_inertia_kg_m2: 0.0,
+        coulomb_friction_n_m: 0.2,
+        friction_rate_rad_s: Some(0.2),
+        ..DRIVE
+    };
     let drives = [first, second];
     let links = drives.map(|drive| {
         let parts = LinkParts::from(Rig { drive, ..RIG }.link());
@@ -312,7 +317,7 @@ fn swinging_arm(volts: &dyn Fn(f64) -> f64) -> ([Drive; 2], [Torque; 2], Played)
     (drives, torques, played)
 }
 
-/// What the motors give less their losses is what moves the links, and the losses have their law at every sample.
+/// The losses have their law at every sample. The efforts of the motors less their losses account for all energy.
 #[test]
 fn the_drives_of_an_arm_keep_the_law_of_their_losses() {
     let (drives, torques, played) = swinging_arm(&voltage);
@@ -344,18 +349,23 @@ fn the_drives_of_an_arm_keep_the_law_of_their_losses() {
 /// A cycle of a voltage is that to which cycle after cycle leads.
 #[test]
 fn a_cycle_with_losses_is_that_of_many() {
-    const CYCLES: usize = 16;
-    const CYCLE: usize = 200;
+    const CYCLES: usize = 12;
+    const CYCLE: usize = 100;
     let volts = |cycles: usize| -> Vec<f64> {
         let share = |k: usize| std::f64::consts::TAU * k as f64 / CYCLE as f64;
         (0..cycles * CYCLE).map(|k| 9.0 * share(k).sin() + 3.0 * (2.0 * share(k)).cos()).collect()
     };
+    let drive = Drive { friction_rate_rad_s: Some(0.2), ..DRIVE };
     for (gravity, is_large) in [(None, false), (None, true), (Some(HANGING), true)] {
-        let link = RIG.under(gravity);
+        // Friction ends what is left of the start.
+        let parts = LinkParts::from(Rig { friction: 2.0, drive, ..RIG }.under(gravity));
+        let segments = vec![Segment::uniform(1.0, 30.0, 0.1)];
+        let link = Link::new(LinkParts { segments, ..parts }).unwrap();
         let played = |cycles: usize, cycle_turn_rad| {
-            let times_s: Vec<f64> = (0..cycles * CYCLE).map(|k| 0.005 * k as f64).collect();
-            let torque = torque(&DRIVE, &volts(cycles), &times_s);
-            let play = Play { is_large, cycle_turn_rad, ..Play::of(&torque) };
+            let times_s: Vec<f64> = (0..cycles * CYCLE).map(|k| 0.01 * k as f64).collect();
+            let torque = torque(&drive, &volts(cycles), &times_s);
+            let tolerance = Some(1e-5);
+            let play = Play { is_large, cycle_turn_rad, tolerance, ..Play::of(&torque) };
             with_losses(&link, &plan(&link, 2), &play).unwrap()
         };
         let (one, all) = (played(1, Some(0.0)), played(CYCLES, None));
@@ -365,7 +375,7 @@ fn a_cycle_with_losses_is_that_of_many() {
             (&one.hub().torque_n_m, &all.hub().torque_n_m),
         ] {
             let off = apart(found, &all[first..first + CYCLE]);
-            assert!(off < 1e-4, "{gravity:?} {is_large}: {off:e}");
+            assert!(off < 2e-4, "{gravity:?} {is_large}: {off:e}");
         }
     }
 }
@@ -388,8 +398,8 @@ fn times_of(solution: &Solution) -> Vec<f64> {
     (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect()
 }
 
-/// Distance of the tip under the voltage of the inversion from the wanted motion, over its travel.
-fn round_trip(parts: LinkParts) -> f64 {
+/// Distance of the tip under the voltage of the inversion from the wanted motion, over its travel, and the play's warnings.
+fn round_trip(parts: LinkParts) -> (f64, Vec<SimulationWarning>) {
     let link = Link::new(parts).unwrap();
     let plan = plan(&link, 10);
     let motion = Smooth { duration_s: 1.0, ..Smooth::SHORT }.motion();
@@ -398,7 +408,7 @@ fn round_trip(parts: LinkParts) -> f64 {
     let drive = *link.drive().unwrap();
     let volts = torque(&drive, motor.voltage_v.as_ref().unwrap(), &times_of(&solution));
     let played = under_voltage(&link, &plan, &volts).unwrap();
-    apart(&played.tip[0].displacement_m, &solution.tip[0].displacement_m)
+    (apart(&played.tip[0].displacement_m, &solution.tip[0].displacement_m), played.warnings)
 }
 
 #[test]
@@ -414,11 +424,18 @@ fn the_voltage_of_the_inversion_brings_the_tip_along_the_motion() {
     let smooth = Drive { friction_rate_rad_s: Some(0.05), coulomb_friction_n_m: 0.2, ..DRIVE };
     let ideal = Drive { efficiency: 1.0, coulomb_friction_n_m: 0.0, ..DRIVE };
     for slides in [false, true] {
-        let without = round_trip(parts(ideal, slides));
+        let (without, _) = round_trip(parts(ideal, slides));
         assert!(without < 1e-5, "{slides}: {without}");
-        let with = round_trip(parts(smooth, slides));
+        let (with, _) = round_trip(parts(smooth, slides));
         assert!(with < 2e-3, "{slides}: {with}");
     }
+    // At first the gear takes a part of the torque that holds the weight.
+    let segments = vec![Segment::uniform(1.5, 40.0, 0.8)];
+    let gravity = Some(Gravity { start_angle_rad: Some(-1.0), ..HANGING });
+    let weighted = LinkParts { segments, gravity, ..parts(smooth, false) };
+    let (off, warnings) = round_trip(weighted);
+    assert!(off < 2e-5, "{off:e}");
+    assert!(warnings.is_empty(), "{warnings:?}");
 }
 
 #[test]

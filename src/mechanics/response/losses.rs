@@ -46,7 +46,7 @@ const BALANCED: f64 = 1e-13;
 pub(super) struct Answers {
     /// Values without losses.
     pub(super) free: DVector<f64>,
-    /// What each loss takes from them, by the column of its joint.
+    /// Reductions by a unit of each loss, column by column.
     pub(super) per_loss: DMatrix<f64>,
 }
 

@@ -258,7 +258,7 @@ impl<'a> Play<'a> {
         &self,
         arm: &'b Arm,
     ) -> impl Iterator<Item = (usize, &'b Link, &'b Drive)> + use<'b> {
-        let acts = self.is_under_voltage;
+        let acts = self.is_under_voltage && self.input.is_torque();
         arm.links().iter().enumerate().filter_map(move |(number, own)| {
             let drive = own.link.drive().filter(|drive| acts && drive.has_losses())?;
             Some((number, &own.link, drive))
