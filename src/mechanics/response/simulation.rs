@@ -249,9 +249,16 @@ impl Bending<'_> {
     ) -> Result<DrivenLinks<'_>, SimulationError> {
         let lossy = || self.play.lossy(self.arm);
         let needs_peak = lossy().any(|(.., drive)| drive.friction_rate_rad_s.is_none());
-        let free = (before.is_none() && needs_peak).then(|| {
+        let free = |refinement: usize| {
             let links = self.lossless_links(more, None)?;
-            DrivenLinks { has_energies: false, ..links }.play(1, |_| {})
+            DrivenLinks { has_energies: false, ..links }.play(1 << refinement, |_| {})
+        };
+        let free = (before.is_none() && needs_peak).then(|| {
+            let is_lost =
+                |own: &Result<_, _>| matches!(own, Err(SimulationError::NotConverged { .. }));
+            // Shorter steps may converge where long ones do not.
+            let shorter = (0..MOST_REFINEMENTS).map(free).find(|own| !is_lost(own));
+            shorter.unwrap_or_else(|| free(MOST_REFINEMENTS))
         });
         let free = free.transpose()?;
         let before = before.or(free.as_ref());
