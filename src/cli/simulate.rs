@@ -58,8 +58,8 @@ One of the files may be `-`, standard input.";
 /// torque acts at the hub, on the whole link: [drive] and analysis.modes are not used.
 ///
 /// With --input voltage TORQUE has the motor's voltage, as motor.csv of solve. The motor of [drive], with torque_constant
-/// and resistance, turns its rotor and the link; friction and losses of its gear act on a linear link. torque.csv is then the
-/// torque at the hub, behind rotor and gear.
+/// and resistance, turns its rotor and the link against friction and losses of its gear. torque.csv is then the torque at the
+/// hub, behind rotor and gear.
 ///
 /// With gravity, or with analysis.second_order "first" or "full", the link is played with all terms of large
 /// angles. With gravity it starts from its shape at rest in the direction start_angle, and the last torque
@@ -244,7 +244,6 @@ impl Simulate {
             )
             | SimulationError::Damping(_)
             | SimulationError::MasslessHub
-            | SimulationError::Losses(_)
             | SimulationError::NotDerived { .. }
             | SimulationError::NotConverged { .. }
             | SimulationError::NoRest

@@ -100,6 +100,8 @@ impl Energies {
 pub(super) struct Balance {
     pub(super) mass: Vec<f64>,
     pub(super) force: Vec<f64>,
+    /// Efforts of the motors with losses, in front of these. The forces contain them.
+    pub(super) efforts: Vec<f64>,
 }
 
 impl Balance {
@@ -122,7 +124,7 @@ impl Balance {
 
     /// Adds a mass, or a rotary inertia, at its place.
     pub(super) fn meet(&mut self, place: &Place, met: &Met<'_>, gravity_m_s2: [f64; 2]) {
-        let (count, Self { mass, force }) = (self.force.len(), self);
+        let (count, Self { mass, force, .. }) = (self.force.len(), self);
         match met {
             Met::Mass(mass_kg) => {
                 for (axis, by) in place.by.iter().enumerate() {
@@ -156,11 +158,19 @@ impl Balance {
         }
     }
 
-    /// Accelerations that balance the forces. `None` where the masses do not determine all of them.
-    pub(super) fn accelerations(&self) -> Option<Vec<f64>> {
+    /// Accelerations that balance the forces, and in a column for each of these coordinates those by a unit force on it.
+    /// `None` where the masses do not determine all of them.
+    pub(super) fn accelerations(
+        &self,
+        by: impl ExactSizeIterator<Item = usize>,
+    ) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let count = self.force.len();
-        let mass = DMatrix::from_row_slice(count, count, &self.mass);
-        let accelerations = mass.lu().solve(&DVector::from_column_slice(&self.force))?;
-        accelerations.iter().all(|own| own.is_finite()).then(|| accelerations.as_slice().to_vec())
+        let mass = DMatrix::from_row_slice(count, count, &self.mass).lu();
+        let accelerations = mass.solve(&DVector::from_column_slice(&self.force))?;
+        let mut units = DMatrix::zeros(count, by.len());
+        by.enumerate().for_each(|(column, row)| units[(row, column)] = 1.0);
+        let answers = mass.solve(&units)?;
+        let is_finite = accelerations.iter().chain(&answers).all(|own| own.is_finite());
+        is_finite.then_some((accelerations, answers))
     }
 }

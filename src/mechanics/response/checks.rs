@@ -254,6 +254,11 @@ pub(super) fn of_bent(
         // Bent links move until the end, so that the step always matters.
         warnings.extend(SimulationWarning::coarse_step(play.input.grid().step_s, period_s));
     }
+    if play.lossy(arm).next().is_some() {
+        let moved = motion.play.change.into_iter().zip(motion.moved());
+        let shares = moved.map(|(change, moved)| if change == 0.0 { 0.0 } else { change / moved });
+        warnings.extend(SimulationWarning::coarse_losses(shares.fold(0.0, f64::max)));
+    }
     let share = motion.play.imbalance();
     warnings.extend((share > IMBALANCE).then_some(SimulationWarning::Imbalance { share }));
     warnings
@@ -267,7 +272,13 @@ fn of_torques(
     play: &Play<'_>,
     motion: &BentMotion,
 ) -> Vec<SimulationWarning> {
-    let holding = motion.joints.iter().map(|joint| joint.holding_n_m.unwrap_or_default());
+    // At rest a gear with losses still takes a part of the torque.
+    let in_front = |(number, joint): (usize, &JointMotion)| {
+        let holding_n_m = joint.holding_n_m.unwrap_or_default();
+        let drive = play.lossy(arm).find(|(own, ..)| *own == number);
+        drive.map_or(holding_n_m, |(.., drive)| drive.with_losses(holding_n_m, 0.0).torque)
+    };
+    let holding = motion.joints.iter().enumerate().map(in_front);
     // The torques of all links have one size; the force of their carriage has its own.
     let size = |joints: std::ops::Range<usize>| {
         let least = arm.weight_moment_n_m() / motion.play.linkage.size_of(joints.start);

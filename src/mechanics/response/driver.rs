@@ -1,11 +1,14 @@
 //! Integrates the motion of bent links in time, with each joint under a torque or moved as prescribed; refines it until
 //! it settles.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::balance::Balance;
 use super::bent::BentMotion;
 use super::driving::Driving;
 use super::error::SimulationError;
 use super::linkage::Linkage;
+use super::losses::{Answers, Losses, balanced};
 use super::modes::HubReaction;
 use super::play::PlayProgress;
 use super::radau::{Motion, Radau};
@@ -47,6 +50,8 @@ pub(super) struct InitialMotion {
 pub(super) struct DrivenLinks<'a> {
     pub(super) linkage: Linkage,
     pub(super) drives: &'a [Drive],
+    /// Joints whose drives have losses under their torques.
+    pub(super) lossy: Vec<(usize, Losses)>,
     /// Angle of each joint in rad from which the stiffness of its feedback acts; the input contains the torque for the
     /// motion of the reference.
     pub(super) aims_rad: Vec<f64>,
@@ -118,7 +123,7 @@ impl Drive {
         (q, rates): (&[f64], &[f64]),
         balance: &mut Balance,
     ) {
-        let (count, Balance { mass, force }) = (q.len(), balance);
+        let (count, Balance { mass, force, .. }) = (q.len(), balance);
         match self {
             Self::Torque(_, reaction) => {
                 force[joint] += input - reaction.torque_n_m(q[joint] - aim_rad, rates[joint]);
@@ -149,7 +154,10 @@ impl DrivenLinks<'_> {
                 damping[joint * count + joint] += reaction.damping_n_m_s_rad;
             }
         }
-        let mut radau = Radau::new(grid.step_s / steps as f64, &stiffness, &damping);
+        let place = |(number, own): &(usize, Losses)| (self.linkage.joints[*number], *own);
+        let lossy: Vec<(usize, Losses)> = self.lossy.iter().map(place).collect();
+        let step_s = grid.step_s / steps as f64;
+        let mut radau = Radau::new(step_s, [&stiffness, &damping], &lossy);
         let mut balance = Balance::default();
         let InitialMotion { q, rates, from_rad } = self.start.clone();
         let mut motion = Motion { q, rates, accelerations: vec![0.0; count] };
@@ -232,6 +240,21 @@ impl DrivenLinks<'_> {
         for ((joint, drive), aim_rad) in joints {
             drive.apply((drive.driving().within(time), *aim_rad), *joint, (q, rates), balance);
         }
+        let efforts = self.lossy.iter().map(|(number, _)| self.effort(*number, time, (q, rates)));
+        balance.efforts.clear();
+        balance.efforts.extend(efforts);
+    }
+
+    /// Torque in N m of the motor of a joint in front of its losses: `input − k (q − q₀) − d q̇`, with the feedback's stiffness
+    /// k and damping d about the aim q₀.
+    fn effort(&self, number: usize, time: Instant, (q, rates): (&[f64], &[f64])) -> f64 {
+        let (drive, joint) = (&self.drives[number], self.linkage.joints[number]);
+        let input = drive.driving().within(time);
+        let Drive::Torque(_, reaction) = drive else { return input };
+        // The reaction includes the friction, which is no torque of the motor.
+        let friction_n_m = self.linkage.friction_n_m_s_rad[number] * rates[joint];
+        let own_rad = q[joint] - self.aims_rad[number];
+        input - (reaction.torque_n_m(own_rad, rates[joint]) - friction_n_m)
     }
 
     /// Rate in rad/s of the first joint's reference at an instant; the damping of a loop turns with it.
@@ -250,8 +273,20 @@ impl DrivenLinks<'_> {
     ) -> Result<(), SimulationError> {
         self.linkage.balance(&motion.q, &motion.rates, balance);
         self.apply((sample, 0.0), (&motion.q, &motion.rates), balance);
-        if let Some(accelerations) = balance.accelerations() {
-            motion.accelerations = accelerations;
+        let joints = self.lossy.iter().map(|(number, _)| self.linkage.joints[*number]);
+        if let Some((free, answers)) = balance.accelerations(joints.clone()) {
+            let joints: Vec<usize> = joints.collect();
+            let each = joints.len();
+            let of = |rates: &dyn Fn(usize) -> f64| DVector::from_fn(each, |k, _| rates(joints[k]));
+            // An instant changes no rate.
+            let rates =
+                Answers { free: of(&|k| motion.rates[k]), per_loss: DMatrix::zeros(each, each) };
+            let accelerations =
+                Answers { free: of(&|k| free[k]), per_loss: answers.select_rows(&joints) };
+            let own = self.lossy.iter().map(|(_, own)| *own).zip(balance.efforts.iter().copied());
+            let own: Vec<(Losses, f64)> = own.collect();
+            let losses = balanced(&own, [&rates, &accelerations], DVector::zeros(each));
+            motion.accelerations = (free - answers * losses).as_slice().to_vec();
         }
         if motion.q.iter().chain(&motion.rates).all(|value| value.is_finite()) {
             return Ok(());
@@ -273,13 +308,8 @@ impl DrivenLinks<'_> {
         Ok(())
     }
 
-    /// Torque of the motor of each joint in N m at an instant. With friction b, all other forces f, and the feedback's
-    /// stiffness k and damping d about the aim q₀:
-    ///
-    /// ```text
-    /// T = (M q̈)_joint − f + b q̇                      for a prescribed acceleration
-    /// T = input − k (q − q₀) − d q̇                   under a torque
-    /// ```
+    /// Torque of the motor of each joint in N m at an instant. With friction b and all other forces f it is
+    /// `(M q̈)_joint − f + b q̇` for a prescribed acceleration, else its [`effort`](Self::effort) less its loss.
     fn torques_n_m(&self, time: Instant, motion: &Motion, balance: &mut Balance) -> Vec<f64> {
         let Motion { q, rates, accelerations } = motion;
         // M and f without the equations that `apply` replaces.
@@ -287,21 +317,21 @@ impl DrivenLinks<'_> {
             self.linkage.balance(q, rates, balance);
         }
         let frictions = &self.linkage.friction_n_m_s_rad;
-        let joints = self.linkage.joints.iter().zip(frictions).zip(&self.aims_rad);
-        let torque = |(drive, ((joint, friction), aim_rad)): (&Drive, ((&usize, &f64), &f64))| {
-            let friction_n_m = friction * rates[*joint];
-            match drive {
+        let joints = self.linkage.joints.iter().zip(frictions).enumerate();
+        let torque =
+            |(drive, (number, (joint, friction))): (&Drive, (usize, (&usize, &f64)))| match drive {
                 Drive::Acceleration(_) => {
                     let row = &balance.mass[joint * q.len()..][..q.len()];
-                    dot(row, accelerations) - balance.force[*joint] + friction_n_m
+                    dot(row, accelerations) - balance.force[*joint] + friction * rates[*joint]
                 }
-                // The reaction includes the friction, which is no torque of the motor.
-                Drive::Torque(driving, reaction) => {
-                    let reaction_n_m = reaction.torque_n_m(q[*joint] - aim_rad, rates[*joint]);
-                    driving.within(time) - (reaction_n_m - friction_n_m)
+                Drive::Torque(..) => {
+                    let effort_n_m = self.effort(number, time, (q, rates));
+                    let own = self.lossy.iter().find(|(lossy, _)| *lossy == number);
+                    let [rate, acceleration] = [rates, accelerations].map(|own| [own[*joint], 0.0]);
+                    let loss = own.map(|(_, own)| own.solve(effort_n_m, rate, acceleration));
+                    effort_n_m - loss.unwrap_or_default()
                 }
-            }
-        };
+            };
         self.drives.iter().zip(joints).map(torque).collect()
     }
 

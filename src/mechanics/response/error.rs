@@ -109,11 +109,6 @@ pub enum SimulationError {
         /// Bytes allowed.
         allowed: usize,
     },
-    /// Losses of a drive where they are not computed.
-    #[error(
-        "the drive under a voltage has losses, which are computed for a linear link alone, but {0}"
-    )]
-    Losses(&'static str),
     /// Steps too long for the motion.
     #[error("the motion does not converge at {} s", rounded(*time_s, 12))]
     NotConverged {
@@ -150,10 +145,6 @@ impl SimulationError {
             }
             Self::State { .. } => "use a state that --save-state of this link wrote",
             Self::NoRest => "use a stiffer link, or another start_angle",
-            Self::Losses(_) => {
-                "without losses: --set drive.efficiency=1 --set drive.coulomb_friction=0; the linear link: \
-                 analysis.second_order = \"none\" without gravity"
-            }
             Self::MasslessHub => "set hub.inertia above 0, however small",
             Self::NoTorque | Self::NoTurn => return None,
         })
@@ -162,6 +153,9 @@ impl SimulationError {
 
 /// Warning threshold of a torque's first or last sample over its peak.
 pub(super) const STEP_SHARE: f64 = 1e-3;
+
+/// Warning threshold of the change by a halved step of losses, over the motion.
+const COARSE_LOSSES: f64 = 1e-3;
 
 /// Warning threshold of the hub's first rate over its peak.
 const MOVES: f64 = 1e-2;
@@ -450,6 +444,11 @@ impl SimulationWarning {
         let bends: Vec<f64> = torque_n_m.windows(3).map(|t| t[0] - 2.0 * t[1] + t[2]).collect();
         let share = (dot(&bends, &bends) / (6.0 * dot(torque_n_m, torque_n_m))).sqrt();
         (share > ROUGH).then_some(Self::RoughTorque { share })
+    }
+
+    /// A warning of losses whose steps, halved, still change the motion by this share.
+    pub(super) fn coarse_losses(change: f64) -> Option<Self> {
+        (change > COARSE_LOSSES).then_some(Self::CoarseLosses { change })
     }
 
     /// A warning of a step too long for the first mode.

@@ -53,8 +53,9 @@ pub(super) fn play_modes(
         Losses::of(link, back, record.largest_rate(&equations))
     });
     if let Some(losses) = losses.flatten() {
-        let change = settle(&mut equations, losses, &mut record, (&driving, &grid, &start));
-        unsettled = (change > UNSETTLED).then_some(SimulationWarning::CoarseLosses { change });
+        let starts = |own: &Equations| Ok(play.start(link, (own, &mesh), &driving)?.0);
+        let change = settle(&mut equations, losses, &mut record, (&driving, &grid, &starts))?;
+        unsettled = SimulationWarning::coarse_losses(change);
     }
     let initial_tip_m = play.start_m(link);
     let from_rad = play.origin_rad(link).unwrap_or(0.0);
@@ -123,13 +124,15 @@ pub(super) fn play_modes(
     Ok(Played { grid, driven, joints: vec![hub], tip: vec![tip], links, by, warnings })
 }
 
-/// Change of tip or hub by halved steps of the losses, over the motion, that ends the halving, and that warns.
+/// Change of tip or hub by halved steps of the losses, over the motion, that ends the halving.
 const SETTLED: f64 = 1e-7;
-const UNSETTLED: f64 = 1e-3;
 
 /// Most passes until the peak rate that sets the friction's rate stays, and its largest change that stays.
 pub(super) const PASSES: usize = 8;
 pub(super) const STEADY: f64 = 1e-4;
+
+/// Coordinates and rates at the start; in a cycle they depend on the losses.
+type Starts<'a> = dyn Fn(&Equations) -> Result<[Vec<f64>; 2], SimulationError> + 'a;
 
 /// Plays the losses: first at the friction's rate for the peak rate that they leave, then in steps halved until tip and hub
 /// stay. Returns the last change, over the motion.
@@ -137,16 +140,16 @@ fn settle(
     equations: &mut Equations,
     losses: Losses,
     record: &mut Record,
-    (driving, grid, start): (&Driving, &TimeGrid, &[Vec<f64>; 2]),
-) -> f64 {
+    (driving, grid, starts): (&Driving, &TimeGrid, &Starts<'_>),
+) -> Result<f64, SimulationError> {
     let mut own = losses;
     let mut play = |own: Losses, record: &mut Record| {
         equations.losses = Some(own);
-        *record = Record::of(equations, driving, grid, start);
+        *record = Record::of(equations, driving, grid, &starts(equations)?);
         let rate = record.largest_rate(equations);
-        (rate, record.histories(equations))
+        Ok::<_, SimulationError>((rate, record.histories(equations)))
     };
-    let mut last = play(own, record);
+    let mut last = play(own, record)?;
     for _ in 0..PASSES {
         let next = own.at(last.0);
         let is_steady = (next.friction_rate / own.friction_rate - 1.0).abs() <= STEADY;
@@ -154,12 +157,12 @@ fn settle(
             break;
         }
         own = next;
-        last = play(own, record);
+        last = play(own, record)?;
     }
     let mut change = f64::INFINITY;
     while own.substeps < MOST_SUBSTEPS && change > SETTLED {
         own.substeps *= 2;
-        let finer = play(own, record);
+        let finer = play(own, record)?;
         let shares = last.1.iter().zip(&finer.1).map(|(coarse, fine)| {
             let off = largest_difference(coarse, fine);
             if off == 0.0 { 0.0 } else { off / largest(fine) }
@@ -167,7 +170,7 @@ fn settle(
         change = shares.fold(0.0, f64::max);
         last = finer;
     }
-    change
+    Ok(change)
 }
 
 impl Record {

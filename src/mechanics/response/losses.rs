@@ -8,9 +8,12 @@
 //! ```
 //!
 //! The equations contain B and R as friction and inertia of the joint. So the link moves as under the effort E − L, with the
-//! loss L = S − T. Within a step L is constant, and rate and acceleration depend on it linearly: one equation for one
-//! number. Its left side rises with L from negative to positive values, for all drives, because S rises with L by less
-//! than L.
+//! loss L = S − T. Within a step of a linear link L is constant, and rate and acceleration depend on it linearly: one
+//! equation for one number. Its left side rises with L from negative to positive values, for all drives, because S rises
+//! with L by less than L. Bent links have one loss for each joint and each stage of a step. In an iteration of the step rates
+//! and accelerations depend linearly on all of them: [`balanced`].
+
+use nalgebra::{DMatrix, DVector};
 
 use super::driving::Cubic;
 use crate::link::{Drive, Link};
@@ -34,6 +37,60 @@ type Line = [f64; 2];
 
 /// Most steps of the bisection for one loss: the digits of a number, and their halves.
 const MOST_STEPS: usize = 120;
+
+/// Most rounds for several losses, and their largest change, over the largest loss, that ends the rounds.
+const MOST_ROUNDS: usize = 40;
+const BALANCED: f64 = 1e-13;
+
+/// Rates or accelerations of joints that depend linearly on all their losses.
+pub(super) struct Answers {
+    /// Values without losses.
+    pub(super) free: DVector<f64>,
+    /// Reductions by a unit of each loss, column by column.
+    pub(super) per_loss: DMatrix<f64>,
+}
+
+/// The losses of several joints. `joints` has the losses and the effort of each, `losses` where to begin.
+///
+/// Each round solves every loss alone, while the others stay. Newton's method then couples them by their slopes there. Unlike
+/// slopes at the last losses, these do not overshoot where the friction is steep.
+pub(super) fn balanced(
+    joints: &[(Losses, f64)],
+    [rates, accelerations]: [&Answers; 2],
+    mut losses: DVector<f64>,
+) -> DVector<f64> {
+    let count = joints.len();
+    if count == 0 {
+        return losses;
+    }
+    for _ in 0..MOST_ROUNDS {
+        let (mut slopes, mut alone) = (DMatrix::identity(count, count), losses.clone());
+        for (i, (own, effort)) in joints.iter().enumerate() {
+            let [rate, acceleration] = [rates, accelerations].map(|of| {
+                let others: f64 = (0..count).map(|k| of.per_loss[(i, k)] * losses[k]).sum();
+                let slope = of.per_loss[(i, i)];
+                [of.free[i] - others + slope * losses[i], -slope]
+            });
+            alone[i] = own.solve(*effort, rate, acceleration);
+            let [by_rate, by_acceleration] = own.slopes(*effort, rate, acceleration, alone[i]);
+            for k in 0..count {
+                let [of_rate, of_acceleration] =
+                    [rates, accelerations].map(|of| of.per_loss[(i, k)]);
+                slopes[(i, k)] += by_rate * of_rate + by_acceleration * of_acceleration;
+            }
+            let whole = slopes[(i, i)];
+            slopes.row_mut(i).iter_mut().for_each(|slope| *slope /= whole);
+        }
+        let size = alone.amax().max(losses.amax());
+        let mut change = &alone - &losses;
+        let is_balanced = change.amax() <= BALANCED * size;
+        if !slopes.lu().solve_mut(&mut change) || is_balanced {
+            return alone;
+        }
+        losses += change;
+    }
+    losses
+}
 
 impl Losses {
     /// Losses of the link's drive, where it has some, for a joint that moves at up to `peak_rate`. Under a voltage the
@@ -92,6 +149,18 @@ impl Losses {
         0.5 * (low + high)
     }
 
+    /// Slopes of the loss by rate and by acceleration of the joint, where it is `loss`.
+    fn slopes(&self, effort: f64, rate: Line, acceleration: Line, loss: f64) -> [f64; 2] {
+        let Self { drive, friction_rate, back, rotor, .. } = self;
+        let [rate, acceleration] = [rate, acceleration].map(|own| own[0] + own[1] * loss);
+        let along = Drive::direction(rate, *friction_rate);
+        let lossy = drive.with_losses(effort - back * rate - rotor * acceleration - loss, along);
+        let per_geared = 1.0 - lossy.per_torque.recip();
+        let per_rate = (1.0 - along * along) / friction_rate;
+        let by_rate = lossy.per_direction / lossy.per_torque * per_rate - back * per_geared;
+        [by_rate, -rotor * per_geared]
+    }
+
     /// Number of steps, a power of two, in which the joint's rate changes by less than half the friction's.
     pub(super) fn steps_for(&self, rates: &[f64]) -> usize {
         let change = rates.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
@@ -135,6 +204,38 @@ mod tests {
         }
         let means: f64 = (0..4).map(|part| mean(part_of(cubic, part, 4))).sum();
         assert!((means / 4.0 - mean(cubic)).abs() < 1e-15);
+    }
+
+    /// Losses of joints that move each other all balance their gears, however steep their friction.
+    #[test]
+    fn losses_of_several_joints_balance_together() {
+        let drive = Drive { efficiency: 0.6, coulomb_friction_n_m: 0.4, ..Drive::DIRECT };
+        let inverse_masses = DMatrix::from_row_slice(2, 2, &[3.0, -4.0, -4.0, 8.0]);
+        for friction_rate in [0.1, 1e-3, 1e-7] {
+            let own = Losses { drive, friction_rate, back: 0.1, rotor: 0.05, substeps: 1 };
+            for efforts in [[5.0, 1.0], [-0.3, 0.2], [0.0, 0.0], [0.5, -2.0]] {
+                for at_rest in [[0.0, 0.0], [0.03, -0.02], [-2.0, 1e-5]] {
+                    let efforts_of = DVector::from_row_slice(&efforts);
+                    let free = &inverse_masses * efforts_of;
+                    let rates = Answers {
+                        free: DVector::from_row_slice(&at_rest) + 0.01 * &free,
+                        per_loss: 0.01 * &inverse_masses,
+                    };
+                    let accelerations = Answers { free, per_loss: inverse_masses.clone() };
+                    let joints = efforts.map(|effort| (own, effort));
+                    let found = balanced(&joints, [&rates, &accelerations], DVector::zeros(2));
+                    let moving = |of: &Answers| &of.free - &of.per_loss * &found;
+                    let [v, a] = [&rates, &accelerations].map(moving);
+                    for (k, effort) in efforts.into_iter().enumerate() {
+                        let geared = effort - 0.1 * v[k] - 0.05 * a[k];
+                        let along = libm::tanh(v[k] / friction_rate);
+                        let off = drive.with_losses(geared - found[k], along).torque - geared;
+                        // Round-off of a rate over the friction's.
+                        assert!(off.abs() < 1e-12 + 1e-15 / friction_rate, "{efforts:?}: {off}");
+                    }
+                }
+            }
+        }
     }
 
     /// The loss balances the torque in front of the gear, whatever the motion does, and at a joint at rest too.

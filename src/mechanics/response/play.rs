@@ -13,7 +13,7 @@ use super::modes::{
 use super::pose::Start;
 use super::state::{State, of_cycle};
 use crate::beam::Mesh;
-use crate::link::{Arm, Damping, Joint, Link};
+use crate::link::{Arm, Damping, Drive, Joint, Link};
 use crate::modal::{DampingLaw, ModalBasis};
 use crate::motion::is_repeated;
 use crate::numeric::TimeGrid;
@@ -253,6 +253,18 @@ impl<'a> Play<'a> {
         self.is_large || arm.has_weight() || arm.links().len() > 1
     }
 
+    /// Numbers, links and drives whose losses act: under voltages.
+    pub(super) fn lossy<'b>(
+        &self,
+        arm: &'b Arm,
+    ) -> impl Iterator<Item = (usize, &'b Link, &'b Drive)> + use<'b> {
+        let acts = self.is_under_voltage && self.input.is_torque();
+        arm.links().iter().enumerate().filter_map(move |(number, own)| {
+            let drive = own.link.drive().filter(|drive| acts && drive.has_losses())?;
+            Some((number, &own.link, drive))
+        })
+    }
+
     /// True if the play starts from a state or in a repeating cycle, instead of at rest.
     fn is_started(&self) -> bool {
         self.state.is_some() || self.cycle_turn_rad.is_some()
@@ -385,7 +397,7 @@ impl<'a> Play<'a> {
         if let Some(turn_rad) = self.cycle_turn_rad {
             let travel_m = turn_rad * link.rigid_tip();
             let (grid, ends_m) = (self.input.grid(), [travel_m, self.initial_tip_m]);
-            return Ok((of_cycle(equations, driving, (grid.step_s, grid.len), ends_m)?, 0.0));
+            return Ok((of_cycle(equations, driving, grid, ends_m)?, 0.0));
         }
         let Some(state) = self.state else {
             let rest = vec![0.0; equations.coordinates.len()];

@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::balance::Balance;
+use super::losses::{Answers, Losses, balanced};
 use crate::numeric::{Size, dot};
 use crate::system::end_if_stopped;
 
@@ -37,7 +38,7 @@ pub(super) struct Motion {
     pub(super) accelerations: Vec<f64>,
 }
 
-/// Steps `M(q) q̈ = f(t, q, q̇)` with a linear part −Kq − Dq̇ of f.
+/// Steps `M(q) q̈ = f(t, q, q̇)` with a linear part −Kq − Dq̇ of f, and losses of drives.
 pub(super) struct Radau<'a> {
     count: usize,
     step_s: f64,
@@ -46,7 +47,12 @@ pub(super) struct Radau<'a> {
     /// Aᵢⱼ of the method, and its square.
     once: [[f64; STAGES]; STAGES],
     twice: [[f64; STAGES]; STAGES],
-    factors: Option<LU<f64, Dyn, Dyn>>,
+    /// Coordinates of joints whose drives have losses.
+    lossy: &'a [(usize, Losses)],
+    /// Losses at all stages of the last iteration, stage by stage.
+    losses: DVector<f64>,
+    /// Factors, and the changes by a unit force on each lossy joint at each stage.
+    factors: Option<(LU<f64, Dyn, Dyn>, DMatrix<f64>)>,
     balance: Balance,
     /// The motion at each stage of the last step.
     reached: Vec<Motion>,
@@ -60,7 +66,11 @@ impl<'a> Radau<'a> {
     }
 
     /// An integrator with steps of `step_s` seconds and linear parts row by row.
-    pub(super) fn new(step_s: f64, stiffness: &'a [f64], damping: &'a [f64]) -> Self {
+    pub(super) fn new(
+        step_s: f64,
+        [stiffness, damping]: [&'a [f64]; 2],
+        lossy: &'a [(usize, Losses)],
+    ) -> Self {
         let root = 6.0_f64.sqrt();
         let once = [
             [
@@ -86,6 +96,8 @@ impl<'a> Radau<'a> {
             damping,
             once,
             twice,
+            lossy,
+            losses: DVector::zeros(STAGES * lossy.len()),
             factors: None,
             balance,
             reached: Vec::new(),
@@ -102,6 +114,7 @@ impl<'a> Radau<'a> {
         let (count, h) = (self.count, self.step_s);
         let mut stages = self.guess(motion);
         let mut residual = DVector::zeros(STAGES * count);
+        let mut efforts = Vec::with_capacity(STAGES * self.lossy.len());
         let mut at = (vec![0.0; count], vec![0.0; count]);
         // Whole turns leave fewer digits for the rest.
         let size_rad = motion.q.iter().map(|q| q.abs()).fold(1.0, f64::max);
@@ -113,9 +126,11 @@ impl<'a> Radau<'a> {
                 self.factors = None;
                 (least, fell, is_fresh, has_risen) = (f64::INFINITY, iteration, true, false);
             }
+            efforts.clear();
             for stage in 0..STAGES {
                 self.reach(motion, &stages, stage, &mut at);
                 balance(stage, &at.0, &at.1, &mut self.balance);
+                efforts.extend_from_slice(&self.balance.efforts);
                 for i in 0..count {
                     let needed = dot(&self.balance.mass[i * count..][..count], &stages[stage]);
                     residual[stage * count + i] = self.balance.force[i] - needed;
@@ -125,11 +140,15 @@ impl<'a> Radau<'a> {
                 Some(factors) => factors,
                 None => self.factorised(),
             };
-            let is_solved = factors.solve_mut(&mut residual);
-            self.factors = Some(factors);
-            if !is_solved {
+            let (whole, answers) = &factors;
+            if !whole.solve_mut(&mut residual) {
                 return false;
             }
+            if !self.lossy.is_empty() {
+                self.losses = self.lose(motion, (&stages, &residual), &efforts, answers);
+                residual -= answers * &self.losses;
+            }
+            self.factors = Some(factors);
             let mut change = 0.0;
             for (stage, own) in stages.iter_mut().enumerate() {
                 for (i, acceleration) in own.iter_mut().enumerate() {
@@ -223,8 +242,45 @@ impl<'a> Radau<'a> {
         }
     }
 
+    /// Losses at all stages, from the accelerations of the stages, their changes without losses, and their `answers` to the
+    /// losses.
+    fn lose(
+        &self,
+        motion: &Motion,
+        (stages, changes): (&[Vec<f64>], &DVector<f64>),
+        efforts: &[f64],
+        answers: &DMatrix<f64>,
+    ) -> DVector<f64> {
+        let (count, each, h) = (self.count, self.lossy.len(), self.step_s);
+        let place = |number: usize| (number / each, self.lossy[number % each].0);
+        let all = STAGES * each;
+        let accelerations = Answers {
+            free: DVector::from_fn(all, |number, _| {
+                let (stage, joint) = place(number);
+                stages[stage][joint] + changes[stage * count + joint]
+            }),
+            per_loss: DMatrix::from_fn(all, all, |number, loss| {
+                let (stage, joint) = place(number);
+                answers[(stage * count + joint, loss)]
+            }),
+        };
+        // Rates are sums of the accelerations of all stages.
+        let sums = DMatrix::from_fn(all, all, |number, other| {
+            let ((stage, joint), (from, of)) = (place(number), place(other));
+            if joint == of { h * self.once[stage][from] } else { 0.0 }
+        });
+        let before = DVector::from_fn(all, |number, _| motion.rates[place(number).1]);
+        let rates = Answers {
+            free: before + &sums * &accelerations.free,
+            per_loss: sums * &accelerations.per_loss,
+        };
+        let joints = self.lossy.iter().cycle().map(|(_, own)| *own).zip(efforts.iter().copied());
+        let joints: Vec<(Losses, f64)> = joints.collect();
+        balanced(&joints, [&rates, &accelerations], self.losses.clone())
+    }
+
     /// Factors of the matrix for changes of the stages' accelerations, with the masses of the last balance.
-    fn factorised(&self) -> LU<f64, Dyn, Dyn> {
+    fn factorised(&self) -> (LU<f64, Dyn, Dyn>, DMatrix<f64>) {
         let (count, h) = (self.count, self.step_s);
         let matrix = DMatrix::from_fn(STAGES * count, STAGES * count, |row, column| {
             let (stage, i, other, j) = (row / count, row % count, column / count, column % count);
@@ -233,6 +289,13 @@ impl<'a> Radau<'a> {
             mass + h * self.once[stage][other] * self.damping[at]
                 + h * h * self.twice[stage][other] * self.stiffness[at]
         });
-        matrix.lu()
+        let (factors, each) = (matrix.lu(), self.lossy.len());
+        let mut answers = DMatrix::zeros(STAGES * count, STAGES * each);
+        for column in 0..STAGES * each {
+            answers[(column / each * count + self.lossy[column % each].0, column)] = 1.0;
+        }
+        // A singular matrix solves nothing else, either.
+        let _is_solved = factors.solve_mut(&mut answers);
+        (factors, answers)
     }
 }

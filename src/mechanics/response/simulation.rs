@@ -8,6 +8,7 @@ use super::driving::{CycleError, Driving, Interpolation};
 use super::error::{SimulationError, SimulationWarning};
 use super::linear::play_modes;
 use super::linkage::Linkage;
+use super::losses::Losses;
 use super::modes::NEGLIGIBLE;
 use super::play::{Input, Play, PlayProgress, refuse_memory};
 use super::played::{Played, PlayedBy, PlayedLink};
@@ -18,7 +19,7 @@ use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::underived;
 use crate::link::{Arm, Damping, Drive as LinkDrive, Joint, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, reported_frequencies};
-use crate::numeric::TimeGrid;
+use crate::numeric::{TimeGrid, largest};
 
 /// Most refinements under torques, and with prescribed joints.
 const MOST_REFINEMENTS: usize = 6;
@@ -70,17 +71,9 @@ pub fn simulate(
         }
         state.check(arm, play.is_bent(arm))?;
     }
-    let drives = links.iter().filter_map(|own| own.link.drive());
-    let is_lossy = play.is_under_voltage && drives.clone().any(LinkDrive::has_losses);
-    if is_lossy && play.cycle_turn_rad.is_some() {
-        return Err(SimulationError::Losses("the input is a cycle that repeats"));
-    }
-    if is_lossy && play.is_bent(arm) {
-        let what = "this is an arm, or a link with weight or at large angles";
-        return Err(SimulationError::Losses(what));
-    }
     let mut played = play_links(arm, meshes, play, (plans, tolerance, watch))?;
     if play.is_under_voltage {
+        let drives = links.iter().filter_map(|own| own.link.drive());
         let joints = std::mem::take(&mut played.joints).into_iter().zip(drives);
         played.joints = joints.map(|(joint, drive)| joint.behind(drive)).collect();
     }
@@ -247,8 +240,40 @@ impl Bending<'_> {
         self.links[0].first_rad_s().unwrap_or(0.0)
     }
 
-    /// The links with `more` orders of polynomials. A repeating motion begins approximately like the motion `before`.
+    /// The links with `more` orders of polynomials, after a motion `before`. Its peak rates, or those of a motion without
+    /// losses, set the rates of the joints by which losses change their sign.
     fn driven_links(
+        &self,
+        more: usize,
+        before: Option<&BentMotion>,
+    ) -> Result<DrivenLinks<'_>, SimulationError> {
+        let lossy = || self.play.lossy(self.arm);
+        let needs_peak = lossy().any(|(.., drive)| drive.friction_rate_rad_s.is_none());
+        let free = |refinement: usize| {
+            let links = self.lossless_links(more, None)?;
+            DrivenLinks { has_energies: false, ..links }.play(1 << refinement, |_| {})
+        };
+        let free = (before.is_none() && needs_peak).then(|| {
+            let is_lost =
+                |own: &Result<_, _>| matches!(own, Err(SimulationError::NotConverged { .. }));
+            // Shorter steps may converge where long ones do not.
+            let shorter = (0..MOST_REFINEMENTS).map(free).find(|own| !is_lost(own));
+            shorter.unwrap_or_else(|| free(MOST_REFINEMENTS))
+        });
+        let free = free.transpose()?;
+        let before = before.or(free.as_ref());
+        let losses = |(number, link, drive): (usize, &Link, &LinkDrive)| {
+            let peak = before.map_or(0.0, |own| largest(&own.joints[number].rate_rad_s));
+            let losses = Losses::of(link, drive.back_friction(), peak)?;
+            // A joint that rests has no losses.
+            (losses.friction_rate > 0.0).then_some((number, losses))
+        };
+        let lossy = lossy().filter_map(losses).collect();
+        Ok(DrivenLinks { lossy, ..self.lossless_links(more, before)? })
+    }
+
+    /// The links without losses. A repeating motion begins approximately like the motion `before`.
+    fn lossless_links(
         &self,
         more: usize,
         before: Option<&BentMotion>,
@@ -292,7 +317,8 @@ impl Bending<'_> {
         let aims_rad = vec![aim_rad; linkage.joints.len()];
         let cycle = play.cycle_turn_rad.map(|_| self.cycle(&linkage.joints)).transpose()?;
         let has_energies = one.is_none();
-        Ok(DrivenLinks { linkage, drives, aims_rad, grid, start, cycle, has_energies })
+        let lossy = Vec::new();
+        Ok(DrivenLinks { linkage, drives, lossy, aims_rad, grid, start, cycle, has_energies })
     }
 
     /// One cycle of the input. Prescribed joints may turn on, and the first joint under a torque, or the carriage of an arm,
@@ -424,7 +450,8 @@ pub fn move_arm(
         let start = InitialMotion { q, rates, from_rad: 0.0 };
         let aims_rad = vec![0.0; joints.len()];
         let has_energies = arm.links().len() > 1;
-        Ok(DrivenLinks { linkage, drives: &drives, aims_rad, grid, start, cycle, has_energies })
+        let (drives, lossy) = (&drives[..], Vec::new());
+        Ok(DrivenLinks { linkage, drives, lossy, aims_rad, grid, start, cycle, has_energies })
     };
     let motion = refine(links, (grid.len, tolerance, MOST_OF_MOVED), &|_| {})?;
     Ok(of_motion(motion, (*grid, grid.len), Vec::new(), Vec::new()))

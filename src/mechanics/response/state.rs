@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::driving::{CycleError, Driving};
+use super::driving::{CycleError, Driving, Step};
 use super::error::SimulationError;
 use super::modes::Equations;
 use super::radau::Motion;
@@ -174,21 +174,23 @@ const MOST_GROWTH: f64 = 1e5;
 /// Largest mean torque of a free hub, over the largest torque; a larger mean turns it faster from cycle to cycle.
 const MEAN: f64 = 1e-6;
 
-/// Coordinates and rates at both ends of a repeating cycle of `samples` samples. Without stiffness at the hub `start_m`
+/// Coordinates and rates at both ends of a repeating cycle, with a sample at each time of the grid. Without stiffness at the hub `start_m`
 /// sets the tip's displacement at the start; without damping as well, `travel_m` sets its displacement over the cycle.
 ///
 /// With M the transition over a cycle and c the state after a cycle from rest, x = (1 − M)⁻¹ c. Without stiffness the
-/// angle of the rigid rotation is arbitrary; without damping as well, its rate follows from its travel.
+/// angle of the rigid rotation is arbitrary; without damping as well, its rate follows from its travel. Losses of a drive are
+/// not linear: from there cycles with them follow until they repeat.
 ///
 /// # Errors
 /// [`CycleError`].
 pub(super) fn of_cycle(
     equations: &Equations,
     driving: &Driving,
-    (step_s, samples): (f64, usize),
+    grid: TimeGrid,
     [travel_m, start_m]: [f64; 2],
-) -> Result<[Vec<f64>; 2], CycleError> {
-    let stepper = Stepper::new(equations, step_s);
+) -> Result<[Vec<f64>; 2], SimulationError> {
+    let (samples, lossless) = (grid.len, Equations { losses: None, ..equations.clone() });
+    let stepper = Stepper::new(&lossless, grid.step_s);
     let mut cycle = stepper.clone();
     driving.steps(samples + 1).for_each(|step| cycle.advance(&step));
     let mut right = DVector::from_column_slice(cycle.state());
@@ -206,7 +208,7 @@ pub(super) fn of_cycle(
                 torques().fold(0.0_f64, |most, torque| most.max(torque.abs())),
             );
             if mean.abs() > MEAN * most {
-                return Err(CycleError::Mean { mean_n_m: mean });
+                return Err(CycleError::Mean { mean_n_m: mean }.into());
             }
             let turned = matrix.row(angle).clone_owned();
             matrix.set_row(rate, &turned);
@@ -221,7 +223,21 @@ pub(super) fn of_cycle(
     // A larger ratio means that no noticeable damping limits the vibration.
     let repeats = |state: &DVector<f64>| state.iter().all(|x| x.abs() <= MOST_GROWTH * driven);
     let state = matrix.lu().solve(&right).filter(repeats).ok_or(CycleError::Resonance)?;
-    let [mut coordinates, rates] = stepper.of_state(state.as_slice());
+    let [mut coordinates, mut rates] = stepper.of_state(state.as_slice());
+    if equations.losses.is_some() {
+        let turning = if is_held { Vec::new() } else { vec![angle] };
+        let cycle = Cycle { grid, turning, is_prescribed: false };
+        let steps: Vec<Step> = driving.steps(samples + 1).collect();
+        let mut stepper = Stepper::new(equations, grid.step_s);
+        let mut motion = Motion { q: coordinates, rates, accelerations: Vec::new() };
+        settle(&mut motion, &cycle, (&[angle], 1.0), |motion, sample| {
+            stepper.start_at(&motion.q, &motion.rates);
+            stepper.advance(&steps[sample]);
+            (motion.q, motion.rates) = (stepper.coordinates(), stepper.rates());
+            Ok(())
+        })?;
+        (coordinates, rates) = (motion.q, motion.rates);
+    }
     if equations.prescribed.is_some() {
         coordinates[0] = 0.0;
     } else if !is_held {

@@ -93,12 +93,17 @@ impl Stepper {
 
     /// Continues from these coordinates and rates.
     pub(super) fn starting_at(mut self, coordinates: &[f64], rates: &[f64]) -> Self {
+        self.start_at(coordinates, rates);
+        self
+    }
+
+    /// Goes to these coordinates and rates.
+    pub(super) fn start_at(&mut self, coordinates: &[f64], rates: &[f64]) {
         let (scaled, rate) = self.state.split_at_mut(self.count);
         rate.copy_from_slice(rates);
         for ((scaled, scale), coordinate) in scaled.iter_mut().zip(&self.scales).zip(coordinates) {
             *scaled = scale * coordinate;
         }
-        self
     }
 
     /// Advances by one step of the input.
