@@ -65,15 +65,14 @@ enum Holds {
 /// Adds to the applied torque the inverse of the error, wanted less measured tip, and writes the next table. Play it,
 /// measure again, and repeat. The error shrinks in the band in which no plant within the intervals differs from the model by
 /// as much as it responds: max |G_true/G - 1| < 1. Printed are this maximum, also weighted by the error's spectrum,
-/// and the error to expect.
+/// and the error to expect: the larger one of the contraction and of these plants when they play the table.
 ///
 /// MEASURED has the time of MOTION and the tip, with rest before and after the motion. A constant offset of the sensor does not
 /// count. Refused are another motion, a time shift that explains the error, and a torque with a plateau, as of a
 /// drive at its limit.
 ///
 /// With --play position the table is the motion of the joints, which the drives hold. Links of an arm from the third on, and
-/// its carriage, keep their wanted motion in the correction. The responses of an arm are those of small motions about its
-/// poses: under torques a fast arm may leave more than the error to expect.
+/// its carriage, keep their wanted motion in the correction.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Learn {

@@ -83,6 +83,26 @@ fn the_period_is_that_of_the_slowest_wave() {
     assert!(ratio < 0.9 && (found_s / damped_s - 1.0).abs() < 1e-2, "{found_s}, {damped_s}");
 }
 
+/// Feedback with stiff joints and a soft carriage: all masses swing on the carriage's gains.
+#[test]
+fn the_period_of_a_carried_arm_is_that_of_its_carriage_on_feedback() {
+    let bench = Bench::new();
+    let arm = super::repository("specs/carriages/gantry_arm.toml");
+    bench.done(
+        "trajectory septic --path line --from 0.5,-0.9 --to 1.1,-0.6 --carriage 0,0.3 --duration 2 --step 0.005 \
+         -o path.csv",
+    );
+    let gains =
+        "--feedback 2e4,20,2e4,20,500,10 --set gravity=[0,0] --set carriage.viscous_friction=0";
+    let study = "path.csv --uncertain links.*.segments.*.EI*=±1% --runs 0 -o rb";
+    bench.done(&format!("robust {arm} {study} {gains}"));
+    let found_s = number(&bench.json("rb/summary.json"), "nominal/period_s");
+    let mass = 12.0 + 0.7 * 0.8 + 0.6 + 0.6 * 0.4 + 0.3;
+    let omega = (500.0_f64 / mass - (0.5 * 10.0 / mass).powi(2)).sqrt();
+    let of_carriage_s = std::f64::consts::TAU / omega;
+    assert!((found_s / of_carriage_s - 1.0).abs() < 0.01, "{found_s}, {of_carriage_s}");
+}
+
 /// A wave of half the range outside the band does not settle, whatever the phase at which the play ends.
 #[test]
 fn a_wave_beyond_the_band_never_settles() {

@@ -243,7 +243,8 @@ fn rings_bent(
     directions_rad: &[f64],
 ) -> Option<Ringing> {
     let (is_held, has_gains) = (matches!(play.input, Input::Angles(_)), !play.feedback.is_empty());
-    let count = if has_gains { MODES_OF_LOOP } else { arm.links().len() + 2 };
+    let joints = arm.joints().count();
+    let count = if has_gains { MODES_OF_LOOP } else { joints + 2 };
     let modes: Vec<FreeMode> = if let Some(link) =
         arm.alone().filter(|own| own.joint().slides() || !has_gains)
     {
@@ -258,8 +259,8 @@ fn rings_bent(
         };
         modes.into_iter().map(mode).collect()
     } else {
-        let pose = ArmPose::of(arm, directions_rad, (0.0, 2)).ok()?;
-        let held = vec![f64::INFINITY; arm.links().len()];
+        let pose = ArmPose::of_all_joints(arm, directions_rad, (0.0, 2)).ok()?;
+        let held = vec![f64::INFINITY; joints];
         let modes = pose.modes(is_held.then_some(&held[..]), count).ok()?;
         let mode = |own: PoseMode| FreeMode {
             square_per_s2: own.square_per_s2,

@@ -17,7 +17,7 @@ pub(crate) fn learn_text(arm: &Arm, summary: &LearnSummary, applied: &str, outpu
         ("measured", measured_line(summary)),
         ("band", band_line(summary)),
         ("shrinks", shrinks_line(summary)),
-        ("next", next_line(arm, summary)),
+        ("next", next_line(summary)),
         ("written", written_line(summary, output)),
     ];
     labelled(arm, labels)
@@ -73,16 +73,9 @@ fn shrinks_line(summary: &LearnSummary) -> String {
     )
 }
 
-fn next_line(arm: &Arm, summary: &LearnSummary) -> String {
-    let is_fast = arm.alone().is_none() && summary.play != Hold::Position;
-    let poses = if is_fast {
-        format!(";\n{:LABEL$}computed for small motions: a fast arm may leave more", "")
-    } else {
-        String::new()
-    };
+fn next_line(summary: &LearnSummary) -> String {
     let most = both(summary.predicted_rms_m, summary);
-    let of = "without noise, of a link within the intervals";
-    format!("error rms up to {most},\n{:LABEL$}{of}{poses}", "")
+    format!("error rms up to {most},\n{:LABEL$}without noise, of a link within the intervals", "")
 }
 
 fn written_line(summary: &LearnSummary, output: &str) -> String {
