@@ -432,7 +432,7 @@ impl LearnOptions {
             let tip = |command: &Command| {
                 let how = (plants.delay_s(values), until_s, until_s);
                 let played = command.plant((&own.arm, &own.meshes), how, &[]).map_err(failed)?;
-                Ok::<_, Failure>(command.over_time(played.error_m))
+                Ok::<_, Failure>(command.over_time(&played.error_m))
             };
             let [before, after] = [tip(&applied)?, tip(&next)?];
             let change_m = |axis, time_s| after(axis, time_s) - before(axis, time_s);

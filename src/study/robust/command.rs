@@ -333,7 +333,7 @@ impl Command {
     }
 
     /// An error of a play along each axis at any time in s: that of the first sample before it, that of the last after it.
-    pub fn over_time(&self, error_m: Vec<Vec<f64>>) -> impl Fn(usize, f64) -> f64 + use<> {
+    pub fn over_time(&self, error_m: &[Vec<f64>]) -> impl Fn(usize, f64) -> f64 + use<> {
         let grid = self.grid;
         let spline = |own: &Vec<f64>| CubicSpline::uniform(own, SplineEnds::NotAKnot);
         let splines: Vec<CubicSpline> = error_m.iter().map(spline).collect();
