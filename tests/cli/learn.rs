@@ -295,16 +295,17 @@ fn an_arm_of_two_links_learns_x_and_y() {
     );
 }
 
-/// Rows of columns that go from one value by another in a number of steps, min-jerk, with 0.3 s of rest before and 1.5 s after.
-fn path((step_s, steps): (f64, i32), columns: &[(&str, f64, f64)]) -> String {
+/// Rows of columns that go from one value by another in a number of steps, min-jerk, with 0.3 s of rest before and 1.5 s
+/// after.
+fn path((per_second, steps): (i32, i32), columns: &[(&str, f64, f64)]) -> String {
     let names: Vec<&str> = columns.iter().map(|own| own.0).collect();
     let mut text = format!("time,{}\n", names.join(","));
-    let [before, after] = [0.3, 1.5].map(|rest_s| (rest_s / step_s).round() as i32);
+    let [before, after] = [3, 15].map(|tenths| per_second * tenths / 10);
     for k in -before..=steps + after {
         let t = (f64::from(k) / f64::from(steps)).clamp(0.0, 1.0);
         let share = t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t);
         let values = columns.iter().map(|(_, from, by)| from + by * share);
-        let row = std::iter::once(step_s * f64::from(k)).chain(values);
+        let row = std::iter::once(f64::from(k) / f64::from(per_second)).chain(values);
         let row: Vec<String> = row.map(|own| own.to_string()).collect();
         text += &(row.join(",") + "\n");
     }
@@ -355,7 +356,7 @@ fn an_arm_of_three_links_learns_its_torques() {
     let bench = Bench::new();
     bench.write("arm.toml", THREE);
     let columns = [("x", 0.9, -0.3), ("y", -0.2, 0.7), ("angle3", -0.4, 1.0)];
-    bench.write("motion.csv", &path((0.01, 200), &columns));
+    bench.write("motion.csv", &path((100, 200), &columns));
     let differs = ["links.*.segments.*.EI*=0.9", "links.2.payload.mass*=1.2"];
     let uncertain = ["links.*.segments.*.EI*=±10%", "links.2.payload.mass=±20%"];
     let own = rig(bench, "arm.toml", &differs, &uncertain);
@@ -369,7 +370,7 @@ fn a_fast_arm_learns_as_the_plants_play() {
     let bench = Bench::new();
     let link = std::fs::read_to_string(repository("specs/arms/two_links.toml")).unwrap();
     bench.write("arm.toml", &link.replace("hub = {", "hub = { viscous_friction = 0.5,"));
-    bench.write("motion.csv", &path((0.002, 750), &[("x", 0.9, -0.4), ("y", -0.5, 1.3)]));
+    bench.write("motion.csv", &path((500, 750), &[("x", 0.9, -0.4), ("y", -0.5, 1.3)]));
     let differs = ["links.*.segments.*.EI*=0.9", "links.fore.payload.mass*=1.2"];
     let uncertain = ["links.*.segments.*.EI*=±10%", "links.fore.payload.mass=±20%"];
     let own = rig(bench, "arm.toml", &differs, &uncertain);
@@ -410,7 +411,7 @@ fn an_arm_on_a_carriage_learns_its_efforts_and_its_motion() {
     ] {
         let bench = Bench::new();
         bench.write("arm.toml", &gantry);
-        bench.write("motion.csv", &path((0.01, 300), &columns));
+        bench.write("motion.csv", &path((100, 300), &columns));
         let own = rig(bench, "arm.toml", &differs, &uncertain);
         let model = &["gravity=[0,0]"];
         let mut own = Rig { model, play, input, first, tip: &["x_m", "y_m"], ..own };
