@@ -27,12 +27,12 @@ use crate::learn::{
     responses, saturation,
 };
 use crate::link::Arm;
-use crate::numeric::largest;
+use crate::numeric::{largest, rounded};
 use crate::result::{ChannelRecording, Limits, Notice};
 use crate::robust::{Command, Hold, How, Key, Thinned, Values, directions_rad};
 use crate::spec::{Override, Specification, Uncertain};
 use crate::store::{Fingerprint, LearnInputs, record_json, write_next};
-use crate::text::{shown_path, significant};
+use crate::text::{given, shown_path, significant};
 
 const EXAMPLE: &str = "\
 Example:
@@ -43,11 +43,14 @@ Example:
   flexlink learn link.toml motion.csv camera.csv \\
       --play position --uncertain 'payload.mass=±20 g'";
 
+/// Share of the motion at its ends that an applied table may lack, as one cut by --window does.
+const UNPLAYED: f64 = 0.1;
+
 /// Smallest error that counts, over the travel, and by how much it must exceed that of all links within the intervals.
 const SEEN: f64 = 1e-4;
 const BEYOND: f64 = 1.2;
 
-/// Largest way of the measured tip after the motion, over the travel, that counts as rest.
+/// Largest travel of the measured tip after the motion, over that of the motion, that counts as rest.
 const AT_REST: f64 = 0.03;
 
 /// Quantity that the drives hold.
@@ -270,6 +273,7 @@ impl LearnOptions {
         let hold = self.hold();
         let own = Table::of(solution, hold);
         let (table, shown) = trial.applied.unwrap_or((&own, "solve"));
+        refuse_short((table, shown), solution)?;
         self.refuse_saturated((table, shown), &problem.specification)?;
         let recorded = self.recorded(trial, solution, &plants.keys)?;
         stages.at("comparing plants");
@@ -282,15 +286,29 @@ impl LearnOptions {
         let next = table.changed([&own, &Table::of(&corrected, hold)], holds);
         stages.at("playing plants");
         let tables = [table, &next];
-        let played_rms_m = self.played_rms_m((problem, solution), &recorded, plants, tables)?;
+        let falls = arm.alone().is_none() && arm.has_weight() && hold == Hold::Effort;
+        let played = if falls {
+            Err("an arm under weight falls without feedback".to_owned())
+        } else {
+            let played = self.played_rms_m((problem, solution), &recorded, plants, tables);
+            played.map_err(|failure| failure.message)
+        };
         let summary = LearnSummary::of(
             (solution, &recorded, self.shift.unwrap_or(0.0)),
             (&plants.keys, count),
-            (&band, &correction, played_rms_m),
+            (&band, &correction, *played.as_ref().unwrap_or(&0.0)),
             (&next, hold),
         );
         let mut warnings = self.warnings_of(&next, limits, arm);
-        warnings.extend(beyond(&summary).into_iter().chain(moving(&recorded)));
+        let unplayed = played.err().map(|why| {
+            let message = format!(
+                "the error to expect is that of small motions about poses at rest, for plants do not play the table: {why}"
+            );
+            let hint = "learn with --play position if the drives hold positions";
+            Notice::new("small_motions", message, hint)
+        });
+        let others = [beyond(&summary), moving(&recorded), unplayed];
+        warnings.extend(others.into_iter().flatten());
         Ok(Step { arm: arm.clone(), hold, next, summary, warnings })
     }
 
@@ -507,6 +525,24 @@ fn moving(recorded: &Recorded) -> Option<Notice> {
     );
     let hint = "record until the tip rests, or add friction or feedback";
     (share > AT_REST).then(|| Notice::new("tip_moves", message, hint))
+}
+
+/// Refuses a table that lacks a part of the motion.
+fn refuse_short((table, place): (&Table, &str), solution: &Solution) -> Result<(), Failure> {
+    let [own, motion] = [&table.grid, &solution.grid];
+    let motion_s = [solution.moving.0, solution.moving.1].map(|sample| motion.time_s(sample));
+    let least_s = UNPLAYED * (motion_s[1] - motion_s[0]);
+    if own.time_s(0) <= motion_s[0] + least_s && own.end_s() >= motion_s[1] - least_s {
+        return Ok(());
+    }
+    let seconds = |time_s: f64| given(rounded(time_s, 6));
+    let [from, until] = [own.time_s(0), own.end_s()].map(seconds);
+    let [begin, end] = motion_s.map(seconds);
+    let message = format!(
+        "{place}: lasts from {from} to {until} s, but must last from {begin} to {end} s, as the motion does"
+    );
+    let hint = "name the whole table that was played, on the clock of the motion";
+    Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
 }
 
 /// The warning of an error that no link within the intervals makes.

@@ -377,6 +377,10 @@ fn a_fast_arm_learns_as_the_plants_play() {
     let model = &["gravity=[0,0]"];
     let mut own = Rig { model, first: "out/torques.csv", tip: &["x_m", "y_m"], ..own };
     learned_as_predicted(&mut own, (3, 0.1));
+    // Under weight no plant plays, and small motions count.
+    own.model = &["gravity=[0,-9.81]"];
+    let told = own.bench.told(&own.learn(None, &["-o", "weighed.csv"]));
+    assert!(told.contains("an arm under weight falls without feedback"), "{told}");
 }
 
 #[test]
@@ -496,6 +500,9 @@ fn a_recording_of_something_else_is_refused() {
         time_s.iter().zip(&torque_n_m).map(|(t, x)| format!("{t},{}\n", x.clamp(-most, most)));
     own.bench.write("cut.csv", &("time_s,torque_n_m\n".to_owned() + &cut.collect::<String>()));
     own.bench.refuses(3, &own.learn(Some("cut.csv"), &[]), "it is saturated");
+    let short: Vec<String> = own.bench.read("out/torque.csv").lines().map(str::to_owned).collect();
+    own.bench.write("short.csv", &short[..short.len() / 2].join("\n"));
+    own.bench.refuses(3, &own.learn(Some("short.csv"), &[]), "s, but must last from 0 to 1.6 s");
     let limit = format!("limits.torque={most}");
     own.bench.refuses(3, &own.learn(None, &["--set", &limit]), "at limits.torque = ");
     let wide = [

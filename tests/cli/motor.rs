@@ -194,3 +194,33 @@ fn the_shortest_motion_within_a_current_keeps_it_and_none_shorter_does() {
         }
     }
 }
+
+/// A joint that its friction holds stands still, and no warning says otherwise: of a hanging link, and of a linear one.
+#[test]
+fn friction_holds_a_joint_under_a_small_voltage() {
+    let bench = Bench::new();
+    bench.write(
+        "held.toml",
+        "gravity = [0, -9.81]\nstart_angle = '-90 deg'\n\
+         segments = [{ length = 1.0, EI = 20.0, mass_per_length = 0.5, elements = 4 }]\n\
+         hub = { inertia = 0.05 }\npayload = { mass = 0.2 }\n\
+         damping = { model = 'rayleigh', beta = 1e-3 }\n[drive]\ngear_ratio = 20\n\
+         efficiency = 0.8\ncoulomb_friction = 0.5\ntorque_constant = 0.05\nresistance = 1.2\n",
+    );
+    // At most 0.2/1.2 × 0.05 × 20 = 0.17 N m against 0.5 N m.
+    let row = |k: u32| {
+        let share = (std::f64::consts::PI * f64::from(k) / 200.0).sin();
+        format!("{},{}\n", 0.005 * f64::from(k), 0.2 * share * share)
+    };
+    let rows: String = (0..=200).map(row).collect();
+    bench.write("volts.csv", &("time,voltage\n".to_owned() + &rows));
+    for weight in ["gravity=[0,-9.81]", "gravity=[0,0]"] {
+        let play = "simulate held.toml volts.csv --input voltage --deny-warnings -o held";
+        bench.done(&format!("{play} --set {weight}"));
+        let angles = bench.numbers("held/hub_angle.csv", "hub_angle_rad");
+        let turned = angles.iter().map(|own| (own - angles[0]).abs()).fold(0.0, f64::max);
+        assert!(turned > 0.0 && turned < 1e-6, "{weight}: {turned}");
+        let torques = bench.numbers("held/torque.csv", "torque_n_m");
+        assert!(torques.iter().all(|own| own.abs() < 1e-3), "{weight}");
+    }
+}

@@ -34,7 +34,7 @@ impl Plants {
         Ok(found)
     }
 
-    /// The same with any number of keys.
+    /// [`Plants::of`] with any number of keys.
     pub(in crate::cli) fn of_any(
         (link, changes): (&InputFile, Vec<Override>),
         (uncertain, fit): (&[Uncertain], Option<&InputFile>),

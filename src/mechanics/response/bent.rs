@@ -12,6 +12,9 @@ use crate::link::Drive;
 use crate::motion::TipMotionHistories;
 use crate::numeric::{Size, TimeGrid};
 
+/// Largest change of an angle in rad that is round-off.
+const ROUND_OFF_RAD: f64 = 1e-12;
+
 /// Share of an arm's energy that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -222,6 +225,17 @@ pub(super) fn largest_travel_m(tip: &[TipMotionHistories]) -> f64 {
 }
 
 impl BentPlay {
+    /// Change of the tip, and of any joint, by the last refinement, over the distances that they `moved`. A change by round-off
+    /// is 0.
+    pub(super) fn changed(&self, moved: [f64; 2]) -> [f64; 2] {
+        let sizes = [self.linkage.length_m(), self.linkage.links[0].position_size()];
+        let share = |k: usize| {
+            let is_round_off = self.change[k] <= ROUND_OFF_RAD * sizes[k];
+            if is_round_off { 0.0 } else { self.change[k] / moved[k] }
+        };
+        [0, 1].map(share)
+    }
+
     /// Largest turn of a joint from its start in rad; the travel of an arm's carriage is over its size.
     pub(super) fn largest_turn_rad(&self, joints: &[JointMotion]) -> f64 {
         let turns = joints.iter().enumerate().flat_map(|(number, joint)| {

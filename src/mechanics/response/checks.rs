@@ -11,7 +11,7 @@ use super::modes::{Equations, MOST_MODES, kept_modes};
 use super::play::{Input, Play};
 use super::played::{Played, PlayedBy, PlayedLink};
 use super::stepper::Stepper;
-use crate::link::Arm;
+use crate::link::{Arm, Drive};
 use crate::modal::{DampingLaw, Shape, buckling_share};
 use crate::numeric::{CubicSpline, SplineEnds, extremes, largest, largest_difference};
 
@@ -172,12 +172,9 @@ impl PlayError {
         let modes = match &played.by {
             PlayedBy::Modes(modes) => modes,
             PlayedBy::Elastica(bent) => {
-                let [tip_m, joint_rad] = bent.change;
-                let turn_rad = bent.largest_turn_rad(&played.joints);
-                return Ok(Some(Self {
-                    tip: share(tip_m, travel_m),
-                    hub_angle: share(joint_rad, turn_rad),
-                }));
+                let moved = [travel_m, bent.largest_turn_rad(&played.joints)];
+                let [tip, hub_angle] = bent.changed(moved);
+                return Ok(Some(Self { tip, hub_angle }));
             }
         };
         let (link, tip, grid) = (&arm.links()[0].link, &played.tip[0], &played.grid);
@@ -255,9 +252,8 @@ pub(super) fn of_bent(
         warnings.extend(SimulationWarning::coarse_step(play.input.grid().step_s, period_s));
     }
     if play.lossy(arm).next().is_some() {
-        let moved = motion.play.change.into_iter().zip(motion.moved());
-        let shares = moved.map(|(change, moved)| if change == 0.0 { 0.0 } else { change / moved });
-        warnings.extend(SimulationWarning::coarse_losses(shares.fold(0.0, f64::max)));
+        let changed = motion.play.changed(motion.moved()).into_iter().fold(0.0, f64::max);
+        warnings.extend(SimulationWarning::coarse_losses(changed));
     }
     let share = motion.play.imbalance();
     warnings.extend((share > IMBALANCE).then_some(SimulationWarning::Imbalance { share }));
@@ -272,13 +268,14 @@ fn of_torques(
     play: &Play<'_>,
     motion: &BentMotion,
 ) -> Vec<SimulationWarning> {
+    let drive_of = |number: usize| play.lossy(arm).find(|(own, ..)| *own == number);
     // At rest a gear with losses still takes a part of the torque.
-    let in_front = |(number, joint): (usize, &JointMotion)| {
-        let holding_n_m = joint.holding_n_m.unwrap_or_default();
-        let drive = play.lossy(arm).find(|(own, ..)| *own == number);
-        drive.map_or(holding_n_m, |(.., drive)| drive.with_losses(holding_n_m, 0.0).torque)
+    let in_front = |number: usize, along: f64| {
+        let holding_n_m = motion.joints[number].holding_n_m.unwrap_or_default();
+        let lossy = |drive: &Drive| drive.with_losses(holding_n_m, along).torque;
+        drive_of(number).map_or(holding_n_m, |(.., drive)| lossy(drive))
     };
-    let holding = motion.joints.iter().enumerate().map(in_front);
+    let holding = (0..motion.joints.len()).map(|number| in_front(number, 0.0));
     // The torques of all links have one size; the force of their carriage has its own.
     let size = |joints: std::ops::Range<usize>| {
         let least = arm.weight_moment_n_m() / motion.play.linkage.size_of(joints.start);
@@ -299,7 +296,9 @@ fn of_torques(
         let samples_n_m = torque.torque_n_m();
         let joint = arm.number_of(number).map(|number| number + 1);
         let torque_n_m = samples_n_m[0];
-        let share = (torque_n_m - holding_n_m).abs() / size;
+        // Between these the losses hold the joint.
+        let [low, high] = [-1.0, 1.0].map(|along| in_front(number, along));
+        let share = (low - torque_n_m).max(torque_n_m - high).max(0.0) / size;
         if starts_at_rest && share > STEP_SHARE {
             let begins = SimulationWarning::BeginsUnheld { joint, torque_n_m, holding_n_m, share };
             warnings.push(begins);

@@ -13,7 +13,7 @@ use super::modes::HubReaction;
 use super::play::PlayProgress;
 use super::radau::{Motion, Radau};
 use super::state::{Cycle, settle};
-use crate::numeric::{TimeGrid, dot};
+use crate::numeric::{Size, TimeGrid, dot};
 
 /// Number of steps that ends the refinement: the first level with more steps is the last one.
 const LAST_STEPS: usize = 1 << 20;
@@ -23,9 +23,6 @@ pub(super) const MORE_ORDERS: usize = 2;
 
 /// Change by the last refinement, over the motion, above which a motion counts as unsettled.
 const UNSETTLED: f64 = 1e-4;
-
-/// Largest change of an angle in rad that is round-off.
-const ROUND_OFF_RAD: f64 = 1e-12;
 
 /// An instant: the number of a sample, and the share of the interval after it.
 type Instant = (usize, f64);
@@ -90,15 +87,17 @@ pub(super) fn refine<'a>(
             }
             Err(_) => return finest,
         };
-        let mut motion = play(refinement, Some(&coarser))?;
-        // Both are arrays: tip in m, positions of joints.
-        let (change, travel) = (motion.change_from(&coarser), motion.moved());
-        let linkage = &motion.play.linkage;
-        let sizes = [linkage.length_m(), linkage.links[0].position_size()];
-        let least = sizes.map(|size| ROUND_OFF_RAD * size);
-        let is_within = |share: f64| (0..2).all(|k| change[k] <= (share * travel[k]).max(least[k]));
-        (motion.play.change, motion.play.is_unsettled) = (change, !is_within(UNSETTLED));
-        let is_settled = is_within(tolerance);
+        let mut motion = match play(refinement, Some(&coarser)) {
+            Err(SimulationError::NotConverged { .. }) if !is_last => {
+                finest = Ok(coarser);
+                continue;
+            }
+            played => played?,
+        };
+        motion.play.change = motion.change_from(&coarser);
+        let changed = motion.play.changed(motion.moved()).into_iter().fold(0.0, Size::larger);
+        motion.play.is_unsettled = changed > UNSETTLED;
+        let is_settled = changed <= tolerance;
         finest = Ok(motion);
         if is_settled || is_last {
             break;

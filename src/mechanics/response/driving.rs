@@ -154,7 +154,7 @@ impl CycleError {
     pub(super) fn hint(self) -> &'static str {
         match self {
             Self::Mean { .. } | Self::Unsettled { .. } | Self::Free => {
-                "set hub.viscous_friction, or use --feedback"
+                "set hub.viscous_friction or a larger drive.friction_rate, or use --feedback"
             }
             Self::Reference { .. } => {
                 "use whole cycles, or feedback without stiffness around a reference with rates: --feedback 0,KD"

@@ -134,7 +134,9 @@ impl SimulationError {
             Self::TooLong { .. } | Self::TooMuchMemory { .. } => {
                 "use an earlier end, or a torque with a longer step"
             }
-            Self::NotConverged { .. } => "use damping (beta = 2e-3), hub.inertia or a shorter step",
+            Self::NotConverged { .. } => {
+                "use damping (beta = 2e-3), hub.inertia, a larger drive.friction_rate or a shorter step"
+            }
             Self::NotFinite { .. } => "the inputs are too large for double precision",
             Self::EndsEarly { .. } => "leave it out to end with the torque",
             Self::NotDerived { .. } => {

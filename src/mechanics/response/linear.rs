@@ -50,7 +50,7 @@ pub(super) fn play_modes(
     let mut unsettled = None;
     let losses = play.is_under_voltage.then(|| {
         let back = link.drive().and_then(Drive::back_friction);
-        Losses::of(link, back, record.largest_rate(&equations))
+        Losses::of(link, back, (record.largest_rate(&equations), grid.duration_s()))
     });
     if let Some(losses) = losses.flatten() {
         let starts = |own: &Equations| Ok(play.start(link, (own, &mesh), &driving)?.0);
@@ -170,7 +170,8 @@ fn settle(
         change = shares.fold(0.0, f64::max);
         last = finer;
     }
-    Ok(change)
+    // A joint that creeps stands still in every step.
+    Ok(if own.holds() { 0.0 } else { change })
 }
 
 impl Record {

@@ -24,6 +24,8 @@ pub(super) struct Losses {
     drive: Drive,
     /// Rate of the joint by which the losses change their sign.
     pub(super) friction_rate: f64,
+    /// Smallest one that a peak rate sets.
+    least_rate: f64,
     /// Friction B of the back voltage at the joint, if the motor is under a voltage.
     back: f64,
     /// Inertia R of the rotor at the joint, if the rotor turns with it.
@@ -34,6 +36,9 @@ pub(super) struct Losses {
 
 /// Number that depends linearly on the loss: value at no loss, and slope.
 type Line = [f64; 2];
+
+/// Way in rad, or over the link's length, that a joint held by friction creeps in a play, about.
+const CREEP: f64 = 1e-6;
 
 /// Most steps of the bisection for one loss: the digits of a number, and their halves.
 const MOST_STEPS: usize = 120;
@@ -93,18 +98,30 @@ pub(super) fn balanced(
 }
 
 impl Losses {
-    /// Losses of the link's drive, where it has some, for a joint that moves at up to `peak_rate`. Under a voltage the
-    /// equations contain the friction `back` of the back voltage, and the inertia of the rotor.
-    pub(super) fn of(link: &Link, back: Option<f64>, peak_rate: f64) -> Option<Self> {
+    /// Losses of the link's drive, where it has some, for a joint that moves at up to `peak_rate` in a play of `duration_s`.
+    /// Under a voltage the equations contain the friction `back` of the back voltage, and the inertia of the rotor.
+    pub(super) fn of(
+        link: &Link,
+        back: Option<f64>,
+        (peak_rate, duration_s): (f64, f64),
+    ) -> Option<Self> {
         let drive = *link.drive().filter(|drive| drive.has_losses())?;
         let (back, rotor) = back.map_or((0.0, 0.0), |back| (back, drive.rotor_at_joint()));
-        let friction_rate = drive.friction_rate(peak_rate);
-        Some(Self { drive, friction_rate, back, rotor, substeps: 1 })
+        let size = if link.joint().slides() { link.length_m() } else { 1.0 };
+        let least_rate = CREEP * size / duration_s;
+        Some(Self { drive, friction_rate: 0.0, least_rate, back, rotor, substeps: 1 }.at(peak_rate))
+    }
+
+    /// True if friction holds the joint, which creeps at most.
+    pub(super) fn holds(&self) -> bool {
+        self.drive.friction_rate_rad_s.is_none() && self.friction_rate <= self.least_rate
     }
 
     /// The losses for a joint that moves at up to `peak_rate`.
     pub(super) fn at(self, peak_rate: f64) -> Self {
-        Self { friction_rate: self.drive.friction_rate(peak_rate), ..self }
+        // A joint that friction holds has no peak rate.
+        let set = || self.drive.friction_rate(peak_rate).max(self.least_rate);
+        Self { friction_rate: self.drive.friction_rate_rad_s.unwrap_or_else(set), ..self }
     }
 
     /// The loss L, from the effort in front of rotor and losses, rate and acceleration of the joint.
@@ -212,7 +229,14 @@ mod tests {
         let drive = Drive { efficiency: 0.6, coulomb_friction_n_m: 0.4, ..Drive::DIRECT };
         let inverse_masses = DMatrix::from_row_slice(2, 2, &[3.0, -4.0, -4.0, 8.0]);
         for friction_rate in [0.1, 1e-3, 1e-7] {
-            let own = Losses { drive, friction_rate, back: 0.1, rotor: 0.05, substeps: 1 };
+            let own = Losses {
+                drive,
+                friction_rate,
+                least_rate: 0.0,
+                back: 0.1,
+                rotor: 0.05,
+                substeps: 1,
+            };
             for efforts in [[5.0, 1.0], [-0.3, 0.2], [0.0, 0.0], [0.5, -2.0]] {
                 for at_rest in [[0.0, 0.0], [0.03, -0.02], [-2.0, 1e-5]] {
                     let efforts_of = DVector::from_row_slice(&efforts);
@@ -242,7 +266,14 @@ mod tests {
     #[test]
     fn the_loss_balances_the_gear() {
         let drive = Drive { efficiency: 0.6, coulomb_friction_n_m: 0.4, ..Drive::DIRECT };
-        let own = Losses { drive, friction_rate: 0.1, back: 0.3, rotor: 0.05, substeps: 1 };
+        let own = Losses {
+            drive,
+            friction_rate: 0.1,
+            least_rate: 0.0,
+            back: 0.3,
+            rotor: 0.05,
+            substeps: 1,
+        };
         for effort in [-5.0, -0.3, 0.0, 0.2, 3.0] {
             for at_rest in [-2.0, -0.01, 0.0, 0.03, 1.0] {
                 let (rate, acceleration) = ([at_rest, -0.01], [3.0 - at_rest, -8.0]);

@@ -78,7 +78,7 @@ pub(crate) fn sensed(
                 let row = row(equations, &bends, &Sensor::HubRate);
                 histories(equations, &[row], (&steps, last), step_s).remove(0)
             };
-            let losses = Losses::of(link, back, 0.0);
+            let losses = Losses::of(link, back, (0.0, f64::INFINITY));
             let free = losses.map_or_else(|| free.clone(), |own| with_losses(&free, own, rates));
             Ok(histories(&free, &rows, (&steps, last), step_s))
         }

@@ -264,9 +264,8 @@ impl Bending<'_> {
         let before = before.or(free.as_ref());
         let losses = |(number, link, drive): (usize, &Link, &LinkDrive)| {
             let peak = before.map_or(0.0, |own| largest(&own.joints[number].rate_rad_s));
-            let losses = Losses::of(link, drive.back_friction(), peak)?;
-            // A joint that rests has no losses.
-            (losses.friction_rate > 0.0).then_some((number, losses))
+            let peak = (peak, self.grid.duration_s());
+            Some((number, Losses::of(link, drive.back_friction(), peak)?))
         };
         let lossy = lossy().filter_map(losses).collect();
         Ok(DrivenLinks { lossy, ..self.lossless_links(more, before)? })

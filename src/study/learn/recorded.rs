@@ -174,7 +174,7 @@ impl Recorded {
         self.rms_and_peak_less_m(|_, _| 0.0)
     }
 
-    /// The same of the error less a change of the tip in m along an axis at a time in s.
+    /// Root mean square and largest size in m of the error less a change of the tip along an axis at a time in s.
     pub fn rms_and_peak_less_m(&self, change_m: impl Fn(usize, f64) -> f64) -> [f64; 2] {
         let square = |k: usize| {
             let axes = self.error_m.iter().enumerate();
