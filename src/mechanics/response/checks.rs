@@ -172,9 +172,12 @@ impl PlayError {
         let modes = match &played.by {
             PlayedBy::Modes(modes) => modes,
             PlayedBy::Elastica(bent) => {
-                let moved = [travel_m, bent.largest_turn_rad(&played.joints)];
-                let [tip, hub_angle] = bent.changed(moved);
-                return Ok(Some(Self { tip, hub_angle }));
+                let [tip_m, joint_rad] = bent.change;
+                let turn_rad = bent.largest_turn_rad(&played.joints);
+                return Ok(Some(Self {
+                    tip: share(tip_m, travel_m),
+                    hub_angle: share(joint_rad, turn_rad),
+                }));
             }
         };
         let (link, tip, grid) = (&arm.links()[0].link, &played.tip[0], &played.grid);
