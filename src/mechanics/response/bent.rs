@@ -191,9 +191,16 @@ impl BentMotion {
         [far, turns.fold(0.0, Size::larger)]
     }
 
-    /// Largest distance in m of the tip from its start, and largest turn of a joint.
-    pub(super) fn moved(&self) -> [f64; 2] {
-        [largest_travel_m(&self.tip), self.play.largest_turn_rad(&self.joints)]
+    /// Change by the last refinement over the motion, the larger one of the tip and of any joint. A change by round-off is 0.
+    pub(super) fn changed(&self) -> f64 {
+        let Self { play: BentPlay { linkage, change, .. }, tip, joints } = self;
+        let moved = [largest_travel_m(tip), self.play.largest_turn_rad(joints)];
+        let sizes = [linkage.length_m(), linkage.links[0].position_size()];
+        let share = |k: usize| {
+            let is_round_off = change[k] <= ROUND_OFF_RAD * sizes[k];
+            if is_round_off { 0.0 } else { change[k] / moved[k] }
+        };
+        Size::larger(share(0), share(1))
     }
 }
 
@@ -225,17 +232,6 @@ pub(super) fn largest_travel_m(tip: &[TipMotionHistories]) -> f64 {
 }
 
 impl BentPlay {
-    /// Change of the tip, and of any joint, by the last refinement, over the distances that they `moved`. A change by round-off
-    /// is 0.
-    pub(super) fn changed(&self, moved: [f64; 2]) -> [f64; 2] {
-        let sizes = [self.linkage.length_m(), self.linkage.links[0].position_size()];
-        let share = |k: usize| {
-            let is_round_off = self.change[k] <= ROUND_OFF_RAD * sizes[k];
-            if is_round_off { 0.0 } else { self.change[k] / moved[k] }
-        };
-        [0, 1].map(share)
-    }
-
     /// Largest turn of a joint from its start in rad; the travel of an arm's carriage is over its size.
     pub(super) fn largest_turn_rad(&self, joints: &[JointMotion]) -> f64 {
         let turns = joints.iter().enumerate().flat_map(|(number, joint)| {

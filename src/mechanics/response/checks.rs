@@ -255,8 +255,7 @@ pub(super) fn of_bent(
         warnings.extend(SimulationWarning::coarse_step(play.input.grid().step_s, period_s));
     }
     if play.lossy(arm).next().is_some() {
-        let changed = motion.play.changed(motion.moved()).into_iter().fold(0.0, f64::max);
-        warnings.extend(SimulationWarning::coarse_losses(changed));
+        warnings.extend(SimulationWarning::coarse_losses(motion.changed()));
     }
     let share = motion.play.imbalance();
     warnings.extend((share > IMBALANCE).then_some(SimulationWarning::Imbalance { share }));

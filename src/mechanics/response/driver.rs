@@ -13,7 +13,7 @@ use super::modes::HubReaction;
 use super::play::PlayProgress;
 use super::radau::{Motion, Radau};
 use super::state::{Cycle, settle};
-use crate::numeric::{Size, TimeGrid, dot};
+use crate::numeric::{TimeGrid, dot};
 
 /// Number of steps that ends the refinement: the first level with more steps is the last one.
 const LAST_STEPS: usize = 1 << 20;
@@ -95,7 +95,7 @@ pub(super) fn refine<'a>(
             played => played?,
         };
         motion.play.change = motion.change_from(&coarser);
-        let changed = motion.play.changed(motion.moved()).into_iter().fold(0.0, Size::larger);
+        let changed = motion.changed();
         motion.play.is_unsettled = changed > UNSETTLED;
         let is_settled = changed <= tolerance;
         finest = Ok(motion);

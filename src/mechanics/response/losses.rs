@@ -24,7 +24,7 @@ pub(super) struct Losses {
     drive: Drive,
     /// Rate of the joint by which the losses change their sign.
     pub(super) friction_rate: f64,
-    /// Smallest one that a peak rate sets.
+    /// Smallest one that a peak rate sets; 0 where the drive has its own.
     least_rate: f64,
     /// Friction B of the back voltage at the joint, if the motor is under a voltage.
     back: f64,
@@ -108,20 +108,20 @@ impl Losses {
         let drive = *link.drive().filter(|drive| drive.has_losses())?;
         let (back, rotor) = back.map_or((0.0, 0.0), |back| (back, drive.rotor_at_joint()));
         let size = if link.joint().slides() { link.length_m() } else { 1.0 };
-        let least_rate = CREEP * size / duration_s;
+        let is_set = drive.friction_rate_rad_s.is_some();
+        let least_rate = if is_set { 0.0 } else { CREEP * size / duration_s };
         Some(Self { drive, friction_rate: 0.0, least_rate, back, rotor, substeps: 1 }.at(peak_rate))
     }
 
     /// True if friction holds the joint, which creeps at most.
     pub(super) fn holds(&self) -> bool {
-        self.drive.friction_rate_rad_s.is_none() && self.friction_rate <= self.least_rate
+        self.friction_rate <= self.least_rate
     }
 
     /// The losses for a joint that moves at up to `peak_rate`.
     pub(super) fn at(self, peak_rate: f64) -> Self {
         // A joint that friction holds has no peak rate.
-        let set = || self.drive.friction_rate(peak_rate).max(self.least_rate);
-        Self { friction_rate: self.drive.friction_rate_rad_s.unwrap_or_else(set), ..self }
+        Self { friction_rate: self.drive.friction_rate(peak_rate).max(self.least_rate), ..self }
     }
 
     /// The loss L, from the effort in front of rotor and losses, rate and acceleration of the joint.
