@@ -148,6 +148,8 @@
 //! * C. F. Van Loan, IEEE Trans. Automatic Control 23(3), 1978: integrals with the exponential.
 //! * R. Featherstone, *Robot Dynamics Algorithms*, 1987: articulated-body inertia.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 #[cfg(feature = "cli")]
 #[doc(hidden)] // the program, for `main.rs` and for Python: its names may change at any time
 pub mod cli;

@@ -6,11 +6,15 @@ use clap::{Args, Command};
 use crate::cli::terminal::{Failure, console};
 
 /// Pages of the book by topic, with the content of each.
-const PAGES: [(&str, &str, &str); 20] = [
+const PAGES: [(&str, &str, &str); 24] = [
     ("index", "Contents of the book", include_str!("../../docs/index.md")),
     ("install", "Install and test", include_str!("../../docs/install.md")),
+    ("first_torque", "How to begin", include_str!("../../docs/first_torque.md")),
     ("first_uses", "Six first uses", include_str!("../../docs/first_uses.md")),
-    ("cookbook", "Recipes", include_str!("../../docs/cookbook.md")),
+    ("your_link", "From a drawing to a link file", include_str!("../../docs/your_link.md")),
+    ("your_motion", "Make and read motions", include_str!("../../docs/your_motion.md")),
+    ("is_it_true", "Errors and checks", include_str!("../../docs/is_it_true.md")),
+    ("controller", "Tables that controllers play", include_str!("../../docs/controller.md")),
     ("files", "Link files, motions, measured tables, results", include_str!("../../docs/files.md")),
     ("commands", "The commands", include_str!("../../docs/commands.md")),
     ("limits", "The method and its limits", include_str!("../../docs/limits.md")),
