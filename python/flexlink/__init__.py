@@ -15,15 +15,21 @@ Numbers are SI: m, kg, s, rad, N m. The functions do what the commands of the sa
 ``flexlink help`` and the book describe these.
 """
 
+from ._files import compare, report
 from ._flexlink import (
+    Comparison,
     Fit,
     Learned,
     Link,
     Motion,
+    Page,
     Robustness,
     Run,
+    SetPoints,
     Simulation,
     Solution,
+    StateSpace,
+    Verification,
     __version__,
     fit,
     frf,
@@ -35,6 +41,7 @@ from ._flexlink import (
     solve,
     sweep,
     trajectory,
+    verify,
 )
 from ._messages import (
     FlexlinkError,
@@ -44,18 +51,17 @@ from ._messages import (
     OutOfMemoryError,
     WriteError,
 )
+from ._results import add_methods
+
+add_methods()
+del add_methods
 
 # A link is an arm of one link.
 Arm = Link
-ArmRun = Run
-ArmSimulation = Simulation
-ArmSolution = Solution
 
 __all__ = [
     "Arm",
-    "ArmRun",
-    "ArmSimulation",
-    "ArmSolution",
+    "Comparison",
     "Fit",
     "FlexlinkError",
     "FlexlinkWarning",
@@ -65,20 +71,27 @@ __all__ = [
     "Motion",
     "NotSolvableError",
     "OutOfMemoryError",
+    "Page",
     "Robustness",
     "Run",
+    "SetPoints",
     "Simulation",
     "Solution",
+    "StateSpace",
+    "Verification",
     "WriteError",
+    "compare",
     "fit",
     "frf",
     "learn",
     "modes",
     "read",
+    "report",
     "robust",
     "simulate",
     "solve",
     "sweep",
     "trajectory",
+    "verify",
     "__version__",
 ]

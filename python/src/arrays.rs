@@ -198,19 +198,30 @@ pub(crate) fn rows<'py>(
     histories: &[impl AsRef<[f64]>],
     samples: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let mut numbers = Vec::with_capacity(samples * histories.len());
-    numbers.extend((0..samples).flat_map(|k| histories.iter().map(move |own| own.as_ref()[k])));
-    PyArray1::from_vec(py, numbers).reshape([samples, histories.len()])
+    joined(py, histories, samples).reshape([histories.len(), samples])?.transpose()
 }
 
-/// x and y of nodes as an array over time, node and axis.
-pub(crate) fn places_of_nodes<'py>(
+/// Pairs of histories, x and y of nodes or of links, as an array over time, node and axis.
+pub(crate) fn pairs<'py>(
     py: Python<'py>,
-    nodes: &[impl AsRef<[Vec<f64>]>],
+    axes: &[impl AsRef<[f64]>],
     samples: usize,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let histories: Vec<&Vec<f64>> = nodes.iter().flat_map(AsRef::as_ref).collect();
-    rows(py, &histories, samples)?.reshape([samples, nodes.len(), 2])
+    let all = joined(py, axes, samples).reshape([axes.len() / 2, 2, samples])?;
+    all.permute(Some([2, 0, 1]))
+}
+
+/// Histories one after the other, each in one piece, so that a column of an array is a view of it.
+fn joined<'py>(
+    py: Python<'py>,
+    histories: &[impl AsRef<[f64]>],
+    samples: usize,
+) -> Bound<'py, PyArray1<f64>> {
+    let mut numbers = Vec::with_capacity(samples * histories.len());
+    for own in histories {
+        numbers.extend_from_slice(&own.as_ref()[..samples]);
+    }
+    PyArray1::from_vec(py, numbers)
 }
 
 /// Columns as a dictionary of arrays.

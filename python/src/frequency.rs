@@ -81,7 +81,7 @@ fn level<'py>(py: Python<'py>, result: &ModesResult) -> PyResult<Bound<'py, PyDi
         ("held_damping_ratio", each(held, ratio)),
     ];
     let table = dictionary(py, columns)?;
-    let shapes: Vec<_> = free.modes.iter().map(|mode| &mode.shape).collect();
+    let shapes = result.displacements();
     // A row for each mode.
     table.set_item("shapes", rows(py, &shapes, nodes_m.len())?.call_method0("transpose")?)?;
     Ok(table)
@@ -115,8 +115,14 @@ pub(crate) fn frf<'py>(
     // The parser requires a file, but the call has the link itself.
     words.push("link".to_owned());
     let frf: Frf = parsed(&words, &[], &RENAMED)?;
-    let response = until_pressed(py, || frf.compute(&link.specification))?;
+    let response = until_pressed(py, || frf.compute(&link.specification).map_err(renamed))?;
     let coarse = response.error.and_then(|error| error.warning);
     warn(py, &coarse.map(Notice::from).into_iter().collect::<Vec<_>>())?;
     Ok(dictionary(py, response.columns)?)
+}
+
+/// A refusal with the names of the call.
+fn renamed(failure: Failure) -> Failure {
+    let named = |text: String| text.replace("--from", "--start").replace("--to", "--stop");
+    Failure { message: named(failure.message), hint: failure.hint.map(named), ..failure }
 }

@@ -60,7 +60,7 @@ pub(crate) fn take_uncertain(keywords: &Keywords<'_>) -> Raises<Vec<String>> {
 pub(crate) fn refuse_commands(keywords: &Keywords<'_>) -> Raises<()> {
     let others = [
         ("set", r#"link.changed({"payload.mass": 0.2}) is the link with a change"#),
-        ("verify", "write the solution's link and motion as files for `flexlink verify`"),
+        ("verify", "flexlink.verify(solution) checks it"),
     ];
     for (name, hint) in others {
         if keywords.contains(name)? {

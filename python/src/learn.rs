@@ -4,7 +4,6 @@ use pyo3::sync::PyOnceLock;
 
 use flexlink::cli::learn::{LearnOptions, Step, Trial};
 use flexlink::cli::options::common::option;
-use flexlink::cli::options::inputs::ReadArgs;
 use flexlink::cli::problem::Problem;
 use flexlink::cli::terminal::{StageBar, console, memory};
 use flexlink::csv::{InputFile, Joints};
@@ -21,17 +20,18 @@ use crate::messages::of_reading;
 use crate::motion::Call;
 use crate::prelude::*;
 use crate::properties::Value::{Computed, Notices, Stored};
-use crate::properties::{Properties, Value, frame, slices};
+use crate::properties::{Properties, Value, slices};
 use crate::samples::table_of;
 use crate::threads::{until_pressed, without_python};
 
-/// Keywords of a step beside those of its motion. Those of reading are for the recording.
-const STEP: [&str; 10] = [
+/// Keywords of a step beside those of its motion. Those of reading may name a table: ``columns="measured:tip=pos"``.
+const STEP: [&str; 11] = [
     "play",
     "shift",
     "digits",
     "columns",
     "time_unit",
+    "sample_rate",
     "unit",
     "scale",
     "skip",
@@ -82,15 +82,17 @@ struct Tables {
 /// error shrinks. ``shift`` is the time of the recording at the motion's time 0. Ctrl-C ends it.
 ///
 /// >>> import flexlink
+/// >>> from typing import Any
 /// >>> link = flexlink.Link(
 /// ...     segments=[{"length": 1.5, "EI": 5.0, "mass_per_length": 0.8}], hub={"inertia": 0.1},
 /// ...     damping={"model": "rayleigh", "alpha": 0.1, "beta": 0.002},
 /// ... )
 /// >>> rig = link.changed({"segments.*.EI*": 0.9})
-/// >>> rest = {"rest_before": 0.5, "rest_after": 2}
-/// >>> motion = flexlink.trajectory("min-jerk", distance=0.5, duration=2, step=0.004, **rest)
+/// >>> motion = flexlink.trajectory(
+/// ...     "min-jerk", distance=0.5, duration=2, step=0.004, rest_before=0.5, rest_after=2
+/// ... )
 /// >>> first = flexlink.solve(link, **motion)
-/// >>> def measured(play):
+/// >>> def measured(play: flexlink.Solution | flexlink.Learned) -> dict[str, Any]:
 /// ...     played = flexlink.simulate(rig, play.time, torque=play.torque, until=max(6, play.time[-1]))
 /// ...     rows = played.time <= 6  # as long in every step
 /// ...     return {"time": played.time[rows], "tip": played.tip_displacement[rows]}
@@ -139,8 +141,7 @@ impl Learned {
         let source = &link.source;
         let arguments = [call.unread()?, own].concat();
         let options = options_of(source, &arguments)?;
-        let read = ReadArgs::default();
-        let (wanted, mut reading) = call.wanted(link, options.motion(&read))?;
+        let (wanted, mut reading) = call.wanted(link, &options.motion)?;
         let of_link = (&source.file, source.overrides(&[])?);
         let fit = tables.fit.as_ref().map(|(file, _)| file);
         let (plants, specification) = options.plants(of_link, fit)?;
@@ -245,8 +246,6 @@ impl Properties for Learned {
         ("warnings", Notices(Self::notices)),
         ("remarks", Notices(|own| own.reading.clone())),
     ];
-    const FRAME: &'static str =
-        "torque force hub_angle joint_angle carriage hub_rate joint_rate carriage_velocity";
 
     fn kind(&self) -> Joints {
         self.kind
@@ -304,11 +303,6 @@ impl Learned {
         let more = of_writing(keywords.as_ref(), &["digits"])?;
         let digits = options_of(&self.source, &[self.arguments.clone(), more].concat())?.digits;
         Ok(py.detach(|| console::deliver_by(Some(&path), |out| self.step.write(out, digits)))?)
-    }
-
-    /// The table as a `pandas.DataFrame` over the time.
-    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Any<'py>> {
-        frame(slf)
     }
 
     fn __repr__(&self) -> String {

@@ -2,20 +2,23 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `messages` | errors and warnings as Python's |
+//! | `messages`, `wording` | errors and warnings as Python's, in its words |
 //! | `prelude` | names that most files use |
 //! | `threads` | threads that survive a fork; Ctrl-C |
 //! | `arrays` | columns of numbers in, views of samples out |
+//! | `arrow` | columns as a stream for other libraries of tables |
 //! | `properties` | properties of results by name, for one link and for arms |
 //! | `keywords` | keywords as the command's options, dictionaries as TOML |
 //! | `link` | a link or an arm, and its file |
 //! | `samples` | wanted motions from arrays and files |
 //! | `motion` | the motion of a call; motions that are read once |
-//! | `solution` | `solve`, and its result |
+//! | `solution`, `table` | `solve`, and its result; a table for a controller |
+//! | `verify`, `compare`, `page` | the checks of a solution; differences of files; pages and figures |
 //! | `simulation`, `simulate` | results of simulations; their input in the keywords of a call |
-//! | `sweep` | many cases in parallel |
+//! | `sweep`, `played` | many cases in parallel; the table that they play |
 //! | `robust`, `learn` | links that differ from their file: the tip of many; the next torque from a measured tip |
 //! | `frequency`, `trajectory`, `fit` | the commands of these names, and modes |
+//! | `state_space` | matrices for the design of controllers |
 //! | `stored` | results read back |
 //!
 //! A link is an arm of one link: each class and each function takes both.
@@ -25,6 +28,8 @@
 #![expect(clippy::doc_link_with_quotes, clippy::doc_markdown, reason = "docs are those of Python")]
 
 mod arrays;
+mod arrow;
+mod compare;
 mod fit;
 mod frequency;
 mod keywords;
@@ -32,6 +37,8 @@ mod learn;
 mod link;
 mod messages;
 mod motion;
+mod page;
+mod played;
 mod prelude;
 mod properties;
 mod robust;
@@ -39,10 +46,14 @@ mod samples;
 mod simulate;
 mod simulation;
 mod solution;
+mod state_space;
 mod stored;
 mod sweep;
+mod table;
 mod threads;
 mod trajectory;
+mod verify;
+mod wording;
 
 use flexlink::cli::terminal::allocator::SystemOrEnd;
 use pyo3::prelude::*;
@@ -64,6 +75,10 @@ mod _flexlink {
     use super::properties;
 
     #[pymodule_export]
+    use super::arrow::arrow_stream;
+    #[pymodule_export]
+    use super::compare::{Comparison, compare_files};
+    #[pymodule_export]
     use super::fit::{Fit, fit};
     #[pymodule_export]
     use super::frequency::{frf, modes};
@@ -74,6 +89,8 @@ mod _flexlink {
     #[pymodule_export]
     use super::motion::Motion;
     #[pymodule_export]
+    use super::page::{Page, page_of_files};
+    #[pymodule_export]
     use super::robust::{Robustness, robust};
     #[pymodule_export]
     use super::simulate::simulate;
@@ -82,11 +99,19 @@ mod _flexlink {
     #[pymodule_export]
     use super::solution::{Solution, solve};
     #[pymodule_export]
+    use super::state_space::StateSpace;
+    #[pymodule_export]
     use super::stored::{Run, read};
     #[pymodule_export]
     use super::sweep::sweep;
     #[pymodule_export]
+    use super::table::SetPoints;
+    #[pymodule_export]
     use super::trajectory::trajectory;
+    #[pymodule_export]
+    use super::verify::{Verification, verify};
+    #[pymodule_export]
+    use super::wording::wording;
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name of it")]
@@ -103,6 +128,7 @@ mod _flexlink {
         properties::add::<Solution>(module.py())?;
         properties::add::<Simulation>(module.py())?;
         properties::add::<Learned>(module.py())?;
+        properties::add::<SetPoints>(module.py())?;
         properties::add::<Run>(module.py())
     }
 

@@ -1,13 +1,17 @@
 //! A link or an arm, and its file or keywords.
 
 use flexlink::cli::options::inputs::specification;
+use flexlink::cli::terminal::console;
 use flexlink::csv::{InputFile, Joints};
 use flexlink::link::Link as OneLink;
-use flexlink::spec::{LinkDocument, Override, Specification};
+use flexlink::response::StateSpaceScope;
+use flexlink::spec::{LinkDocument, Override, Specification, changed_text};
 
+use crate::arrays::OneOrEach;
 use crate::keywords;
 use crate::prelude::*;
 use crate::properties::check;
+use crate::state_space::StateSpace;
 
 /// Name of keywords in errors.
 const KEYWORDS: &str = "keywords";
@@ -59,6 +63,12 @@ impl Source {
         read.map_err(|failure| if self.is_file { failure } else { without_line(failure) })
     }
 
+    /// The text of the file with the changes; that of keywords is new.
+    fn text(&self) -> Fails<String> {
+        let (name, text) = (&self.file.shown, self.file.text()?);
+        Ok(changed_text(name, text, &self.overrides(&[])?, !self.is_file)?)
+    }
+
     /// The arguments for `unpickled`.
     pub(crate) fn pickled(&self) -> PickledSource {
         let InputFile { shown, name, bytes } = self.file.clone();
@@ -71,7 +81,7 @@ impl Source {
 }
 
 /// A message on keywords without the number of their line.
-fn without_line(failure: Failure) -> Failure {
+pub(crate) fn without_line(failure: Failure) -> Failure {
     let message = failure.message.strip_prefix(KEYWORDS).and_then(|rest| {
         let (line, message) = rest.strip_prefix(':')?.split_once(": ")?;
         line.parse::<u64>().ok().map(|_| message.to_owned())
@@ -98,6 +108,8 @@ fn without_line(failure: Failure) -> Failure {
 /// >>> stiff = link.changed({"segments.*.EI*": 4, "payload.mass": "50 g"})
 /// >>> round(stiff.rigid_inertia - link.rigid_inertia, 9)  # 0.05 kg at 1.5 m
 /// 0.1125
+/// >>> stiff.values["payload"], flexlink.Link(**stiff.values).rigid_inertia == stiff.rigid_inertia
+/// ({'mass': '50 g'}, True)
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Link {
     pub(crate) source: Source,
@@ -156,6 +168,27 @@ impl Link {
         Ok(Self::of(self.source.changed(keywords::changes(Some(changes))?))?)
     }
 
+    /// The keys of the file with the changes, as nested dictionaries: numbers in SI, texts with their units.
+    /// ``Link(**link.values)`` is the same link.
+    #[getter]
+    fn values<'py>(&self, py: Python<'py>) -> Raises<Any<'py>> {
+        let values = self.source.document()?.values(&self.source.overrides(&[])?);
+        Ok(loaded(py, &values.map_err(Failure::from)?)?)
+    }
+
+    /// The text of the link file with the changes.
+    #[getter]
+    fn text(&self) -> Raises<String> {
+        Ok(self.source.text()?)
+    }
+
+    /// Writes the link file with the changes; :meth:`Link.read` reads the same link. Comments of the file stay, unless a
+    /// change adds or removes a key.
+    fn write(&self, py: Python<'_>, path: PathBuf) -> Raises<()> {
+        let text = self.source.text()?;
+        Ok(py.detach(|| console::deliver(Some(&path), text.as_bytes()))?)
+    }
+
     /// Title of the file.
     #[getter]
     fn title(&self) -> &str {
@@ -187,6 +220,38 @@ impl Link {
     fn rigid_mass(&self) -> PyResult<f64> {
         check("rigid_mass", self.kind())?;
         Ok(self.first().rigid_inertia_kg_m2())
+    }
+
+    /// Small motions in state space, for the design of controllers: the first modes with free joints, from the torque of each
+    /// joint, or the force on a carriage, to joints, tip and strain at the root.
+    ///
+    /// ``at`` has the directions of the links in rad, with their weight; an arm needs them. The displacements at
+    /// ``stations``, distances in m from the joint of each link, are further outputs. With ``residual`` D has the static
+    /// response of the modes left out.
+    ///
+    /// >>> import flexlink
+    /// >>> link = flexlink.Link(
+    /// ...     segments=[{"length": 1.0, "EI": 10.0, "mass_per_length": 0.5}], hub={"inertia": 0.1}
+    /// ... )
+    /// >>> space = link.state_space(modes=2)
+    /// >>> space
+    /// StateSpace(states=6, inputs=1, outputs=6)
+    /// >>> A, B, C, D = space
+    /// >>> space.states[:3], space.outputs[2]
+    /// (['mode_0', 'mode_1', 'mode_2'], 'tip_displacement')
+    /// >>> bool(abs(C[0, 0] * B[3, 0] * link.rigid_inertia - 1) < 1e-9)  # slowly it turns as if it were rigid
+    /// True
+    #[pyo3(signature = (modes=5, *, at=None, stations=Vec::new(), residual=false))]
+    fn state_space(
+        &self,
+        py: Python<'_>,
+        modes: usize,
+        at: Option<OneOrEach<f64>>,
+        stations: Vec<f64>,
+        residual: bool,
+    ) -> Raises<StateSpace> {
+        let scope = StateSpaceScope { modes, stations_m: stations, has_residual: residual };
+        StateSpace::of(py, &self.specification, at, &scope)
     }
 
     fn __repr__(&self) -> String {

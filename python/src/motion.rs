@@ -56,15 +56,11 @@ impl<'a> Call<'a> {
         let Some(motion) = self.motion else { return Ok(self.arguments.clone()) };
         let options = keywords::solve_options(&motion.arguments)?;
         let own = self.arguments[motion.arguments.len()..].to_vec();
-        Ok([options.resample.arguments(), options.scale.arguments(), own].concat())
+        Ok([options.motion.resample.arguments(), options.motion.scale.arguments(), own].concat())
     }
 
     /// The wanted motion of a link or an arm, and remarks on its file.
-    pub(crate) fn wanted<'o>(
-        &self,
-        link: &Link,
-        options: impl Into<MotionArgs<'o>>,
-    ) -> Fails<(Wanted, Vec<Notice>)> {
+    pub(crate) fn wanted(&self, link: &Link, options: &MotionArgs) -> Fails<(Wanted, Vec<Notice>)> {
         let Some(motion) = self.motion else {
             return self.samples.wanted(&link.specification.arm, options);
         };
@@ -77,7 +73,8 @@ impl<'a> Call<'a> {
 
 /// The options that define the motion, as arguments.
 fn of_motion(options: &SolveOptions) -> Vec<String> {
-    [options.resample.arguments(), options.scale.arguments(), options.read.arguments()].concat()
+    let MotionArgs { resample, scale, read } = &options.motion;
+    [resample.arguments(), scale.arguments(), read.arguments()].concat()
 }
 
 /// The motion of a tip, read once and solved for many links: :func:`solve` and :func:`sweep` take it in place of time and
@@ -124,12 +121,13 @@ impl Motion {
             let message = format!("{option} is passed to a Motion, but must be passed to solve");
             return Err(usage(&message, None));
         }
-        let table = samples.table(&[link.map_or(1.0, OneLink::length_m)], &options)?;
+        let table = samples.table(&[link.map_or(1.0, OneLink::length_m)], &options.motion)?;
         let (is_of_angle, reading) = (table.is_of_angle(), samples.remarks(table.reading()));
         if link.is_none() && is_of_angle {
             return Err(usage(&"link is missing: angles are arcs of its length", None));
         }
-        let wanted = options.scale.scaled(&options.resample.motion_in(table, arm)?)?;
+        let wanted =
+            options.motion.scale.scaled(&options.motion.resample.motion_in(table, arm)?)?;
         let Some(tip) = wanted.motion.into_tip() else { return Err(usage(&"no motion", None)) };
         let arcs_of = link.filter(|_| is_of_angle);
         let arcs_of = arcs_of.map(|link| (link.output_m(), link.gravity().copied()));

@@ -31,7 +31,7 @@ pub(crate) type Dictionary<'py> = Raises<Bound<'py, PyDict>>;
 pub(crate) type Table<'py> = Raises<Bound<'py, PyArray2<f64>>>;
 
 /// An array over time, node and axis.
-pub(crate) type Places<'py> = Raises<Bound<'py, PyArray3<f64>>>;
+pub(crate) type PairsOverTime<'py> = Raises<Bound<'py, PyArray3<f64>>>;
 
 /// A function of Python and the arguments with which it makes an object again.
 pub(crate) type Reduced<'py> = PyResult<(Any<'py>, Bound<'py, PyTuple>)>;

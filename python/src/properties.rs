@@ -1,4 +1,4 @@
-//! Properties of results by name, for one link and for arms, and data frames of them.
+//! Properties of results by name, for one link and for arms.
 
 use pyo3::PyClass;
 use pyo3::exceptions::PyAttributeError;
@@ -7,7 +7,7 @@ use pyo3::types::PyCFunction;
 
 use flexlink::csv::Joints;
 
-use crate::arrays::{rows, view};
+use crate::arrays::{pairs, rows, view};
 use crate::prelude::*;
 
 /// Kinds of links and arms for which a name exists.
@@ -96,35 +96,50 @@ names! {
     Carriage carriage_acceleration,
     /// Position in m of the carriage of the rigid link.
     Sliding rigid_carriage,
-    /// Moment in N m that the hub, or the carriage, exerts on the link's root.
-    One root_moment,
+    /// Moment in N m that its joint, or the carriage, exerts on the root of each link.
+    Any root_moment,
     /// Angle in rad of each joint: of the first against x, of the others from the tip of the link before to the root of
-    /// their link.
-    Several joint_angle,
+    /// their link. That of one link is its hub angle.
+    Turning joint_angle,
     /// Rate in rad/s of each joint.
-    Several joint_rate,
+    Turning joint_rate,
     /// Acceleration in rad/s² of each joint.
-    Several joint_acceleration,
+    Turning joint_acceleration,
+    /// Angle in rad of each joint between rigid links.
+    Turning rigid_joint_angle,
+    /// x and y of the force in N on the inner end of each link: an array over time, link and axis.
+    Several reaction,
     /// Direction in rad of each link's chord, from joint to joint.
     Several chord_angle,
+    /// Rate in rad/s of each link's chord.
+    Several chord_rate,
+    /// Acceleration in rad/s² of each link's chord.
+    Several chord_acceleration,
+    /// Length in m of each link's chord.
+    Several chord_length,
     /// Displacement of the tip in m along its arc.
     One tip_displacement,
-    /// Velocity of the tip in m/s.
-    One tip_velocity,
-    /// Acceleration of the tip in m/s².
-    One tip_acceleration,
+    /// Velocity of the tip in m/s: along its arc, of an arm x and y.
+    Any tip_velocity,
+    /// Acceleration of the tip in m/s²: along its arc, of an arm x and y.
+    Any tip_acceleration,
     /// Deflection of the tip in m from the hub's tangent line.
     One tip_deflection,
     /// x and y of the tip in m.
     Several tip,
-    /// Torque of the motor in N m; None for a link without a drive.
-    One motor_torque,
-    /// Rate of the motor in rad/s; None for a link without a drive.
-    One motor_rate,
-    /// Current of the motor in A; None without drive.torque_constant.
-    One motor_current,
-    /// Voltage of the motor in V; None without drive.torque_constant and drive.resistance.
-    One motor_voltage,
+    /// Torque of each motor in N m, not a number for a joint without a drive; None without any drive.
+    Any motor_torque,
+    /// Angle of each motor in rad, in the form of ``motor_torque``.
+    Any motor_angle,
+    /// Rate of each motor in rad/s, in the form of ``motor_torque``.
+    Any motor_rate,
+    /// Power of each motor in W, in the form of ``motor_torque``.
+    Any motor_power,
+    /// Current of each motor in A, in the form of ``motor_torque``; None without any drive.torque_constant.
+    Any motor_current,
+    /// Voltage of each motor in V, in the form of ``motor_torque``; None without any drive.torque_constant and
+    /// drive.resistance.
+    Any motor_voltage,
     /// Energy in J of motion, strain and weight.
     Several energy,
     /// Work in J that the torques have done.
@@ -133,14 +148,15 @@ names! {
     Several dissipated,
     /// Torques in N m that hold the arm where it starts.
     Several holding_torque,
-    /// Distances of the nodes from the axis in m.
+    /// Distances of the nodes of one link from the axis in m; ``nodes_of`` has those of each link of an arm.
     One nodes,
     /// Times in s of the nodes' histories: those of ``time`` that were written.
-    One nodal_time,
+    Any nodal_time,
     /// Errors of a solution, as in summary.json: ``errors["tip"]`` is the tip's distance from its motion over its travel,
-    /// ``errors["torque"]["mesh"]`` the change by elements of half the length over the peak, and so on.
+    /// ``errors["torque"]["mesh"]`` the change by elements of half the length over the peak, and so on; of an arm
+    /// ``errors["joints"][0]["torque"]``.
     Any errors,
-    /// Peaks and other numbers of summary.json.
+    /// Peaks and other numbers of summary.json, of an arm those of its joints in the list ``results["joints"]``.
     Any results,
     /// Distance of the tip from its ``target``, as in summary.json: ``worst_m``, ``share`` of the largest distance from
     /// the start, ``time_s``, ``rms_m``, ``final_m``; None without a target.
@@ -151,8 +167,6 @@ names! {
     Any remarks,
     // Methods, and properties with code of their own.
     One displacements,
-    One deflections,
-    One moments,
     Several positions,
     One written_nodes,
     One length,
@@ -174,6 +188,10 @@ pub(crate) fn check(name: &str, joints: Joints) -> PyResult<()> {
 pub(crate) enum Value<T> {
     /// One stored history, or one for each joint or axis; None without any.
     Stored(fn(&T) -> Vec<&[f64]>),
+    /// A stored history of each joint, which some joints lack; None where all do.
+    OfJoints(fn(&T) -> Vec<Option<&[f64]>>),
+    /// x and y for each link.
+    Places(fn(&T) -> Vec<[&[f64]; 2]>),
     /// A history that each access computes.
     Computed(fn(&T) -> Vec<f64>),
     /// Notices as objects.
@@ -191,8 +209,6 @@ pub(crate) fn slices<'a>(histories: impl Iterator<Item = &'a Vec<f64>>) -> Vec<&
 pub(crate) trait Properties: PyClass<Frozen = True> + Sync + Sized + 'static {
     /// Its properties by name; blanks separate the names for hubs, arms and carriages.
     const PROPERTIES: &'static [(&'static str, Value<Self>)];
-    /// Columns of its data frame, for hubs, arms and carriages, with blanks between.
-    const FRAME: &'static str;
 
     /// Its joints.
     fn kind(&self) -> Joints;
@@ -234,13 +250,25 @@ fn read<'py, T: Properties>(
             [_] => view(of, |own| stored(own)[0]).into_any(),
             several => rows(py, several, several[0].len())?.into_any(),
         },
+        Value::OfJoints(stored) => match &stored(of.get())[..] {
+            [Some(_)] => view(of, |own| stored(own)[0].unwrap_or_default()).into_any(),
+            joints => match joints.iter().flatten().next() {
+                None => py.None().into_bound(py),
+                Some(first) => {
+                    let none = vec![f64::NAN; first.len()];
+                    let columns: Vec<&[f64]> =
+                        joints.iter().map(|own| own.unwrap_or(&none)).collect();
+                    rows(py, &columns, none.len())?.into_any()
+                }
+            },
+        },
+        Value::Places(places) => {
+            let axes = places(of.get()).concat();
+            let samples = axes.first().map_or(0, |axis| axis.len());
+            pairs(py, &axes, samples)?.into_any()
+        }
         Value::Computed(computed) => PyArray1::from_vec(py, computed(of.get())).into_any(),
         Value::Notices(notices) => objects(py, &notices(of.get()))?.into_pyobject(py)?,
         Value::Entry => of.as_any().getattr("summary")?.get_item(name)?,
     })
-}
-
-/// The histories as a `pandas.DataFrame` over the time.
-pub(crate) fn frame<'py, T: Properties>(of: &Bound<'py, T>) -> PyResult<Any<'py>> {
-    of.py().import("flexlink._frames")?.call_method1("frame", (of, T::FRAME))
 }

@@ -58,11 +58,12 @@ pub(crate) struct Robustness {
 /// ...     hub={"inertia": 0.1}, damping={"ratio": 0.02},
 /// ... )
 /// >>> motion = flexlink.trajectory("min-jerk", distance=0.5, duration=1, step=0.004)
-/// >>> intervals = {"segments.*.EI*": "±5%", "hub.inertia": (0.099, 0.101)}
-/// >>> found = flexlink.robust(link, **motion, uncertain=intervals, runs=50)
+/// >>> found = flexlink.robust(
+/// ...     link, **motion, uncertain={"segments.*.EI*": "±5%", "hub.inertia": (0.099, 0.101)}, runs=50
+/// ... )
 /// >>> found.worst["tip_error"]["size_m"] > found.quantiles["tip_error"]["p95_m"][0]
 /// True
-/// >>> max(found.shares, key=found.shares.get)  # the value to measure better
+/// >>> max(found.shares, key=lambda key: found.shares[key])  # the value to measure better
 /// 'segments.*.EI*'
 #[pyfunction]
 #[pyo3(signature = (link, time, **keywords))]
@@ -107,7 +108,7 @@ impl Robustness {
         let source = &link.source;
         let arguments = [call.arguments.clone(), study].concat();
         let options = options_of(source, &arguments)?;
-        let (wanted, reading) = call.wanted(link, &options)?;
+        let (wanted, reading) = call.wanted(link, &options.motion)?;
         let of_link = (&source.file, source.overrides(&[])?);
         let (plants, specification) =
             options.plants(of_link, fit.as_ref().map(|(file, _)| file))?;

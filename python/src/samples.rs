@@ -2,7 +2,8 @@
 
 use pyo3::types::PyString;
 
-use flexlink::cli::options::inputs::{MotionArgs, ReadArgs, ResampleArgs, Wanted};
+use flexlink::cli::options::inputs::{MotionArgs, Wanted};
+use flexlink::cli::options::reading::TableName;
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::csv::{InputFile, MotionTable, Reading, read_motion_table_as};
 use flexlink::link::Arm;
@@ -53,17 +54,11 @@ impl Samples {
     }
 
     /// The table of the motion of links with these lengths.
-    pub(crate) fn table<'a>(
-        &self,
-        lengths_m: &[f64],
-        options: impl Into<MotionArgs<'a>>,
-    ) -> Fails<MotionTable> {
-        let (read, resample, _) = options.into();
+    pub(crate) fn table(&self, lengths_m: &[f64], options: &MotionArgs) -> Fails<MotionTable> {
         if let Self::File(InputFile { shown, bytes, .. }) = self {
-            let format = resample.format(read);
-            return Ok(read_motion_table_as(shown, bytes, lengths_m, &format)?);
+            return Ok(read_motion_table_as(shown, bytes, lengths_m, &options.format())?);
         }
-        refuse_reading(read, resample)?;
+        refuse_reading(options)?;
         let time_s = self.array("time").unwrap_or_default();
         match lengths_m {
             [length_m] => self.tip(time_s, *length_m),
@@ -104,17 +99,11 @@ impl Samples {
     }
 
     /// The wanted motion of an arm, and remarks on its file.
-    pub(crate) fn wanted<'a>(
-        &self,
-        arm: &Arm,
-        options: impl Into<MotionArgs<'a>>,
-    ) -> Fails<(Wanted, Vec<Notice>)> {
-        let options = options.into();
-        let (_, resample, scale) = options;
+    pub(crate) fn wanted(&self, arm: &Arm, options: &MotionArgs) -> Fails<(Wanted, Vec<Notice>)> {
         let table = self.table(&arm.lengths_m(), options)?;
         let reading = self.remarks(table.reading());
-        let wanted = resample.motion_in(table, Some(arm))?;
-        Ok((scale.scaled(&wanted)?, reading))
+        let wanted = options.resample.motion_in(table, Some(arm))?;
+        Ok((options.scale.scaled(&wanted)?, reading))
     }
 
     pub(crate) fn remarks(&self, reading: &Reading) -> Vec<Notice> {
@@ -165,16 +154,16 @@ fn angle(link: usize) -> String {
 }
 
 /// Refuses options for reading files if the samples are arrays in SI.
-fn refuse_reading(read: &ReadArgs, resample: &ResampleArgs) -> Fails<()> {
+fn refuse_reading(options: &MotionArgs) -> Fails<()> {
     let refused = |option: &str, hint| {
         let option = option.split('=').next().unwrap_or_default();
         Err(usage(&format!("{option} is for files, and the motion is arrays"), Some(hint)))
     };
-    if resample.format(read).drop_outliers {
+    if options.format().drop_outliers {
         let hint = "the refusal of a bad sample gives its number and what its neighbours lead to";
         return refused("drop_outliers", hint);
     }
-    let arguments = read.arguments();
+    let arguments = options.read.arguments_of_first(TableName::Motion);
     arguments.first().map_or(Ok(()), |option| refused(option, "arrays are in SI; multiply them"))
 }
 

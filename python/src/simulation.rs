@@ -6,16 +6,17 @@ use flexlink::cli::options::moves::{Moves, under_voltages};
 use flexlink::cli::simulate::refusal;
 use flexlink::cli::terminal::{console, memory};
 use flexlink::csv::Joints;
+use flexlink::motion::TipMotionHistories;
 use flexlink::response::{BentPlay, JointMotion, Played, simulate};
 use flexlink::result::FollowedTarget;
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayedRun, RunInputs, Simulated, Summary, state_json};
 
-use crate::arrays::{Every, Nodes, checked, places_of_nodes, rows, times};
+use crate::arrays::{Every, Nodes, checked, pairs, rows, times};
 use crate::keywords::{of_writing, solve_options};
 use crate::prelude::*;
 use crate::properties::Value::{Computed, Entry, Notices, Stored};
-use crate::properties::{Properties, Value, check, frame, slices};
+use crate::properties::{Properties, Value, check, slices};
 use crate::solution::no_link;
 use crate::threads::{apart, until_pressed, without_python};
 
@@ -63,7 +64,7 @@ impl Simulation {
         &self.result.played
     }
 
-    fn write_into(&self, folder: &Path, keywords: &[String]) -> Fails<()> {
+    pub(crate) fn write_into(&self, folder: &Path, keywords: &[String]) -> Fails<()> {
         let options = solve_options(keywords)?;
         let (played, outputs) = (self.played(), options.outputs());
         options.nodes.check(&played.nodes_m())?;
@@ -81,6 +82,11 @@ impl Simulation {
     /// A history of the carriage, the joint of one link or the last of an arm.
     fn carriage(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
         slices(self.played().joints.last().map(of).into_iter())
+    }
+
+    /// A history of the tip's axes, of one link along its arc.
+    fn tip(&self, of: fn(&TipMotionHistories) -> &Vec<f64>) -> Vec<&[f64]> {
+        slices(self.played().tip.iter().map(of))
     }
 
     /// The play of links that are elasticas.
@@ -113,10 +119,9 @@ impl Properties for Simulation {
         ),
         ("carriage_acceleration", Stored(|own| own.carriage(|joint| &joint.acceleration_rad_s2))),
         ("chord_angle", Stored(|own| slices(own.bent().flat_map(|bent| &bent.chords_rad)))),
-        ("tip_displacement", Stored(|own| vec![&own.played().tip[0].displacement_m])),
-        ("tip_velocity", Stored(|own| vec![&own.played().tip[0].velocity_m_s])),
-        ("tip_acceleration", Stored(|own| vec![&own.played().tip[0].acceleration_m_s2])),
-        ("tip", Stored(|own| slices(own.played().tip.iter().map(|axis| &axis.displacement_m)))),
+        ("tip_displacement tip", Stored(|own| own.tip(|axis| &axis.displacement_m))),
+        ("tip_velocity", Stored(|own| own.tip(|axis| &axis.velocity_m_s))),
+        ("tip_acceleration", Stored(|own| own.tip(|axis| &axis.acceleration_m_s2))),
         ("energy", Computed(Self::energy_j)),
         ("work", Stored(|own| slices(own.bent().map(|bent| &bent.work_j)))),
         ("dissipated", Stored(|own| slices(own.bent().map(|bent| &bent.lost_j)))),
@@ -126,7 +131,6 @@ impl Properties for Simulation {
         ("tip_error", Entry),
         ("warnings", Notices(|own| own.warnings.clone())),
     ];
-    const FRAME: &'static str = "torque force hub_angle joint_angle carriage hub_rate joint_rate carriage_velocity hub_acceleration carriage_acceleration chord_angle tip_displacement tip_velocity tip_acceleration tip";
 
     fn kind(&self) -> Joints {
         Joints::from(&self.specification.arm)
@@ -146,16 +150,32 @@ impl Simulation {
         Ok(rows(py, &histories.samples, samples)?)
     }
 
-    /// x and y in m of the nodes of an arm's link, numbered from 0, of every ``every``-th sample: an array over time, node
+    /// x and y in m of the nodes of an arm's ``link``, numbered from 0, of every ``every``-th sample: an array over time, node
     /// and axis.
-    #[pyo3(signature = (link, every=Every::ALL))]
-    fn positions<'py>(&self, py: Python<'py>, link: usize, every: Every) -> Places<'py> {
+    #[pyo3(signature = (link, nodes=None, every=Every::ALL))]
+    fn positions<'py>(
+        &self,
+        py: Python<'py>,
+        link: usize,
+        nodes: Nodes,
+        every: Every,
+    ) -> PairsOverTime<'py> {
         check("positions", self.kind())?;
-        let nodes = self.played().nodes_m().into_iter().map(|nodes_m| (0..nodes_m.len()).collect());
-        let nodes: Vec<Vec<usize>> = nodes.collect();
-        let places_m = py.detach(|| Ok::<_, Failure>(self.played().places_m(&nodes, every.0)?))?;
-        let places_m = places_m.get(link).ok_or_else(|| no_link(link, self.links()))?;
-        Ok(places_of_nodes(py, places_m, self.played().grid.thinned(every.0).len())?)
+        let samples = self.played().grid.thinned(every.0).len();
+        let all = self.played().nodes_m();
+        let own = all.get(link).ok_or_else(|| no_link(link, self.links()))?;
+        let mut chosen = vec![Vec::new(); all.len()];
+        chosen[link] = checked(nodes, own.len(), samples)?;
+        let places_m = py.detach(|| Ok::<_, Failure>(self.played().places_m(&chosen, every.0)?))?;
+        Ok(pairs(py, &places_m[link].concat(), samples)?)
+    }
+
+    /// Distances in m of the nodes of a ``link``, numbered from 0, from its joint.
+    #[pyo3(signature = (link=0))]
+    fn nodes_of<'py>(&self, py: Python<'py>, link: usize) -> Raises<Bound<'py, PyArray1<f64>>> {
+        let all = self.played().nodes_m();
+        let nodes_m = all.get(link).ok_or_else(|| no_link(link, self.links()))?;
+        Ok(PyArray1::from_slice(py, nodes_m))
     }
 
     /// Errors of the motion. For one link those of mesh and modes: of the tip over its travel, and of the hub angle over its
@@ -192,12 +212,6 @@ impl Simulation {
     fn save_state(&self, py: Python<'_>, path: PathBuf) -> Raises<()> {
         let text = state_json(&self.played().state());
         Ok(py.detach(|| console::deliver(Some(&path), text.as_bytes()))?)
-    }
-
-    /// The histories as a `pandas.DataFrame` over the time, those of an arm with a column for each joint: ``torque1``,
-    /// ``torque2``.
-    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Any<'py>> {
-        frame(slf)
     }
 
     fn __repr__(&self) -> String {

@@ -2,31 +2,34 @@
 
 use pyo3::sync::PyOnceLock;
 
-use flexlink::beam::NodalHistories;
+use flexlink::beam::{MeshPlan, NodalHistories};
 use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::terminal::memory;
 use flexlink::csv::Joints;
-use flexlink::inverse::{JointMotion, MotorHistories, Resources, Solution as Inverse};
+use flexlink::inverse::{JointMotion, LinkShape, MotorHistories, Resources, Solution as Inverse};
 use flexlink::link::ParameterError;
-use flexlink::store::{OutputFolder, RunInputs};
+use flexlink::motion::TipMotionHistories;
+use flexlink::store::{OutputFolder, RunInputs, Summary};
 
-use crate::arrays::{Every, Nodes, checked, places_of_nodes, rows, times};
+use crate::arrays::{Every, Nodes, checked, pairs, rows, times};
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, PickledSource, Source};
 use crate::motion::Call;
 use crate::prelude::*;
-use crate::properties::Value::{Computed, Entry, Notices, Stored};
-use crate::properties::{Properties, Value, check, frame, slices};
+use crate::properties::Value::{Computed, Entry, Notices, OfJoints, Places, Stored};
+use crate::properties::{Properties, Value, check, slices};
 use crate::samples::{Pickled, Samples, meshed};
+use crate::table::SetPoints;
 use crate::threads::{apart, until_pressed, without_python};
 
 /// Keywords of `write`.
 const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits", "golden"];
 
-/// Torques and motion of the joints that move the tip as wanted: those of one hub, or those of an arm in arrays with a
-/// column for each joint, the inner one first. Arrays have a row for each of ``time``; those of one link are views that
-/// cannot be written to. Units are SI.
+/// Torques and motion of the joints that move the tip as wanted, of one link or of an arm of several. Arrays have a row for
+/// each of ``time``, those of an arm a column for each joint, the inner one first. Arrays of one link are views that cannot
+/// be written to. ``torque``, ``joint_angle``, ``joint_rate``, ``motor_torque``, ``root_moment``, ``moments``, ``deflections``,
+/// ``results`` and ``errors`` are there for any number of links. Units are SI.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Solution {
     source: Source,
@@ -34,6 +37,8 @@ pub(crate) struct Solution {
     /// The keywords of the call as options.
     arguments: Vec<String>,
     pub(crate) solved: Solved,
+    /// Plans of the links' meshes.
+    pub(crate) plans: Vec<MeshPlan>,
     /// How the file of the motion was read.
     reading: Vec<Notice>,
     warnings: Vec<Notice>,
@@ -42,9 +47,9 @@ pub(crate) struct Solution {
 
 impl Solution {
     /// Solves the problem of a call.
-    fn of_call(link: &Link, call: Call<'_>) -> Fails<Self> {
+    pub(crate) fn of_call(link: &Link, call: Call<'_>) -> Fails<Self> {
         let options = solve_options(&call.arguments)?;
-        let (wanted, reading) = call.wanted(link, &options)?;
+        let (wanted, reading) = call.wanted(link, &options.motion)?;
         let specification = meshed(link.specification.clone(), &options)?;
         let problem = Problem::of(&link.source.file, specification, wanted);
         let periods = call.motion.map(|motion| &*motion.periods);
@@ -69,13 +74,14 @@ impl Solution {
             samples,
             arguments,
             solved,
+            plans: problem.plans().to_vec(),
             reading: Vec::new(),
             warnings,
             summary: PyOnceLock::new(),
         })
     }
 
-    fn inverse(&self) -> &Inverse {
+    pub(crate) fn inverse(&self) -> &Inverse {
         &self.solved.solution
     }
 
@@ -89,9 +95,20 @@ impl Solution {
         slices(self.inverse().joints.last().map(of).into_iter())
     }
 
-    /// The motors of the joints that have a drive.
-    fn motors(&self) -> impl Iterator<Item = &MotorHistories> {
-        self.inverse().joints.iter().filter_map(|joint| joint.motor.as_ref())
+    /// A history of the motor of each joint that has one.
+    fn motors(&self, of: fn(&MotorHistories) -> Option<&Vec<f64>>) -> Vec<Option<&[f64]>> {
+        let joints = self.inverse().joints.iter().take(self.links());
+        joints.map(|joint| joint.motor.as_ref().and_then(of).map(Vec::as_slice)).collect()
+    }
+
+    /// A history of each link's shape.
+    fn shapes(&self, of: fn(&LinkShape) -> &Vec<f64>) -> Vec<&[f64]> {
+        slices(self.inverse().shapes().map(of))
+    }
+
+    /// A history of the tip's axes, of one link along its arc.
+    fn tip(&self, of: fn(&TipMotionHistories) -> &Vec<f64>) -> Vec<&[f64]> {
+        slices(self.inverse().tip.iter().map(of))
     }
 
     /// Remarks on the motion's file and on unusual input.
@@ -118,6 +135,13 @@ impl Solution {
         }
     }
 
+    /// The summary of a run with all its tables.
+    fn record_of_all(&self) -> Fails<Summary> {
+        let options = self.options(Vec::new())?;
+        let inputs = self.record(&options);
+        Ok(self.solved.summary(inputs, None, &options.outputs()))
+    }
+
     /// Writes the files of the command, with more options.
     pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Fails<()> {
         let options = self.options(more)?;
@@ -127,28 +151,53 @@ impl Solution {
         self.solved.write(inputs, &outputs, memory::available(), stage)
     }
 
-    /// Acceleration of the joint of one link, or of the carriage of an arm, by its name.
-    fn acceleration<'py>(&self, py: Python<'py>, name: &str) -> Raises<Bound<'py, PyArray1<f64>>> {
+    /// Acceleration by its name of a joint, by its number: of one link or of an arm's carriage the last.
+    fn acceleration<'py>(
+        &self,
+        py: Python<'py>,
+        (name, joint): (&str, usize),
+    ) -> Raises<Bound<'py, PyArray1<f64>>> {
         check(name, self.kind())?;
-        let last = self.inverse().joints.len() - 1;
-        let find = || Ok(self.inverse().acceleration_rad_s2(last).into_owned());
+        let find = || Ok(self.inverse().acceleration_rad_s2(joint).into_owned());
         Ok(PyArray1::from_vec(py, without_python(py, find)?))
     }
 
-    /// A quantity of this name at nodes, all by default, of every `every`-th sample.
+    fn last(&self) -> usize {
+        self.inverse().joints.len() - 1
+    }
+
+    /// A quantity at nodes of one link, all by default, of every `every`-th sample.
     fn nodal<'py>(
         &self,
         py: Python<'py>,
-        name: &str,
         (nodes, every): (Nodes, Every),
         find: impl FnOnce(&Inverse, &[usize]) -> Result<NodalHistories, ParameterError> + Send,
     ) -> Table<'py> {
-        check(name, self.kind())?;
         let solution = self.inverse();
         let samples = solution.grid.thinned(every.0).len();
-        let nodes = checked(nodes, solution.links[0].mesh().nodes_m().len(), samples)?;
+        let nodes = checked(nodes, solution.nodes_m()[0].len(), samples)?;
         let histories = until_pressed(py, || Ok(find(solution, &nodes)?))?;
         Ok(rows(py, &histories.samples, samples)?)
+    }
+
+    /// A stored quantity at nodes of an arm's link, in pieces of several for each node.
+    fn of_shape(
+        &self,
+        (link, nodes, every): (usize, Nodes, Every),
+        of: fn(&LinkShape, usize) -> Vec<&Vec<f64>>,
+    ) -> Raises<(Vec<Vec<f64>>, usize)> {
+        let solution = self.inverse();
+        let shape = solution.shapes().nth(link).ok_or_else(|| no_link(link, self.links()))?;
+        let samples = solution.grid.thinned(every.0).len();
+        let all = solution.nodes_m()[link].len();
+        let nodes = checked(nodes, all, samples)?;
+        if let Some(node) = nodes.iter().find(|node| **node >= all) {
+            let must = format!("must be below {all}, the number of nodes of the link");
+            return Err(usage(&format!("nodes = {node}, but {must}"), None).into());
+        }
+        let taken = |own: &Vec<f64>| own.iter().step_by(every.0.get()).copied().collect();
+        let histories = nodes.iter().flat_map(|node| of(shape, *node)).map(taken).collect();
+        Ok((histories, samples))
     }
 }
 
@@ -164,33 +213,40 @@ impl Properties for Solution {
         ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
         ("carriage_velocity", Stored(|own| own.carriage(|joint| &joint.rate_rad_s))),
         (
-            "rigid_hub_angle rigid_carriage",
+            "rigid_hub_angle rigid_carriage rigid_joint_angle",
             Stored(|own| own.joints(|joint| &joint.rigid_angle_rad)),
         ),
-        ("root_moment", Stored(|own| vec![&own.inverse().links[0].root_moment_n_m])),
-        ("chord_angle", Stored(|own| slices(own.inverse().shapes().map(|own| &own.chord[0])))),
-        ("tip_displacement", Stored(|own| vec![&own.inverse().tip[0].displacement_m])),
-        ("tip_velocity", Stored(|own| vec![&own.inverse().tip[0].velocity_m_s])),
-        ("tip_acceleration", Stored(|own| vec![&own.inverse().tip[0].acceleration_m_s2])),
+        (
+            "root_moment",
+            Stored(|own| slices(own.inverse().links.iter().map(|link| &link.root_moment_n_m))),
+        ),
+        (
+            "reaction",
+            Places(|own| {
+                let forces = own.inverse().joints.iter().filter_map(|joint| joint.force_n.as_ref());
+                forces.map(|force| force.each_ref().map(Vec::as_slice)).collect()
+            }),
+        ),
+        ("chord_angle", Stored(|own| own.shapes(|shape| &shape.chord[0]))),
+        ("chord_rate", Stored(|own| own.shapes(|shape| &shape.chord[1]))),
+        ("chord_acceleration", Stored(|own| own.shapes(|shape| &shape.chord[2]))),
+        ("chord_length", Stored(|own| own.shapes(|shape| &shape.chord_length_m))),
+        ("tip_displacement tip", Stored(|own| own.tip(|axis| &axis.displacement_m))),
+        ("tip_velocity", Stored(|own| own.tip(|axis| &axis.velocity_m_s))),
+        ("tip_acceleration", Stored(|own| own.tip(|axis| &axis.acceleration_m_s2))),
         ("tip_deflection", Computed(|own| own.inverse().tip_deflection_m(0))),
-        ("tip", Stored(|own| slices(own.inverse().tip.iter().map(|axis| &axis.displacement_m)))),
-        ("motor_torque", Stored(|own| slices(own.motors().map(|motor| &motor.torque_n_m)))),
-        ("motor_rate", Stored(|own| slices(own.motors().map(|motor| &motor.rate_rad_s)))),
-        (
-            "motor_current",
-            Stored(|own| slices(own.motors().filter_map(|own| own.current_a.as_ref()))),
-        ),
-        (
-            "motor_voltage",
-            Stored(|own| slices(own.motors().filter_map(|own| own.voltage_v.as_ref()))),
-        ),
+        ("motor_torque", OfJoints(|own| own.motors(|motor| Some(&motor.torque_n_m)))),
+        ("motor_angle", OfJoints(|own| own.motors(|motor| Some(&motor.angle_rad)))),
+        ("motor_rate", OfJoints(|own| own.motors(|motor| Some(&motor.rate_rad_s)))),
+        ("motor_power", OfJoints(|own| own.motors(|motor| Some(&motor.power_w)))),
+        ("motor_current", OfJoints(|own| own.motors(|motor| motor.current_a.as_ref()))),
+        ("motor_voltage", OfJoints(|own| own.motors(|motor| motor.voltage_v.as_ref()))),
         ("nodes", Stored(|own| vec![own.inverse().links[0].mesh().nodes_m()])),
         ("errors", Entry),
         ("results", Entry),
         ("warnings", Notices(|own| own.warnings.clone())),
         ("remarks", Notices(Self::notices)),
     ];
-    const FRAME: &'static str = "torque force rigid_torque rigid_force hub_angle joint_angle carriage hub_rate joint_rate carriage_velocity hub_acceleration carriage_acceleration tip_displacement tip_velocity tip_acceleration tip_deflection tip";
 
     fn kind(&self) -> Joints {
         Joints::from(&self.inverse().arm)
@@ -202,11 +258,7 @@ impl Solution {
     /// Content of a run's summary.json.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> Raises<Any<'py>> {
-        let write = || {
-            let options = self.options(Vec::new())?;
-            let inputs = self.record(&options);
-            Ok(self.solved.summary(inputs, None, &options.outputs()).to_json())
-        };
+        let write = || Ok(self.record_of_all()?.to_json());
         let text = self.summary.get_or_try_init(py, || without_python(py, write))?;
         Ok(loaded(py, text)?)
     }
@@ -214,46 +266,122 @@ impl Solution {
     /// Hub acceleration in rad/s², computed by each call.
     #[getter]
     fn hub_acceleration<'py>(&self, py: Python<'py>) -> Raises<Bound<'py, PyArray1<f64>>> {
-        self.acceleration(py, "hub_acceleration")
+        self.acceleration(py, ("hub_acceleration", self.last()))
+    }
+
+    /// Acceleration in rad/s² of each joint, of one link computed by each call.
+    #[getter]
+    fn joint_acceleration<'py>(&self, py: Python<'py>) -> Raises<Any<'py>> {
+        let all =
+            (0..self.links()).map(|joint| self.acceleration(py, ("joint_acceleration", joint)));
+        let all = all.collect::<Raises<Vec<_>>>()?;
+        if let [hub] = &all[..] {
+            return Ok(hub.clone().into_any());
+        }
+        let histories: Vec<Vec<f64>> =
+            all.iter().map(|own| own.readonly().as_array().to_vec()).collect();
+        Ok(rows(py, &histories, self.inverse().grid.len)?.into_any())
     }
 
     /// Acceleration of the carriage in m/s², computed by each call.
     #[getter]
     fn carriage_acceleration<'py>(&self, py: Python<'py>) -> Raises<Bound<'py, PyArray1<f64>>> {
-        self.acceleration(py, "carriage_acceleration")
+        self.acceleration(py, ("carriage_acceleration", self.last()))
     }
 
     /// Displacements of the nodes of one link in m, numbered from 0 at the root, all by default: a row for each sample, or
     /// for every ``every``-th, a column for each node.
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn displacements<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
-        self.nodal(py, "displacements", (nodes, every), |own, nodes| {
+        check("displacements", self.kind())?;
+        self.nodal(py, (nodes, every), |own, nodes| {
             Ok(own.displacements(nodes, every.0)?.histories())
         })
     }
 
-    /// Deflections of nodes in m from the hub's tangent line, in the form of ``displacements``.
-    #[pyo3(signature = (nodes=None, every=Every::ALL))]
-    fn deflections<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
-        self.nodal(py, "deflections", (nodes, every), |own, nodes| {
+    /// Deflections of nodes in m from the hub's tangent line, of the nodes of an arm's ``link`` from its chord, in the form of
+    /// ``displacements``. ``link`` counts from 0.
+    #[pyo3(signature = (nodes=None, every=Every::ALL, *, link=0))]
+    fn deflections<'py>(
+        &self,
+        py: Python<'py>,
+        nodes: Nodes,
+        every: Every,
+        link: usize,
+    ) -> Table<'py> {
+        if self.links() > 1 || link > 0 {
+            let at = (link, nodes, every);
+            let (histories, samples) =
+                self.of_shape(at, |own, node| vec![&own.deflections_m[node]])?;
+            return Ok(rows(py, &histories, samples)?);
+        }
+        self.nodal(py, (nodes, every), |own, nodes| {
             Ok(own.deflections(nodes, every.0)?.histories())
         })
     }
 
-    /// Bending moments at nodes in N m, in the form of ``displacements``.
-    #[pyo3(signature = (nodes=None, every=Every::ALL))]
-    fn moments<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
-        self.nodal(py, "moments", (nodes, every), |own, nodes| {
-            Ok(own.moments(nodes, every.0)?.histories())
-        })
+    /// Bending moments at nodes in N m, of an arm at those of a ``link``, in the form of ``displacements``. ``link`` counts
+    /// from 0.
+    #[pyo3(signature = (nodes=None, every=Every::ALL, *, link=0))]
+    fn moments<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every, link: usize) -> Table<'py> {
+        if self.links() > 1 || link > 0 {
+            let at = (link, nodes, every);
+            let (histories, samples) =
+                self.of_shape(at, |own, node| vec![&own.moments_n_m[node]])?;
+            return Ok(rows(py, &histories, samples)?);
+        }
+        self.nodal(py, (nodes, every), |own, nodes| Ok(own.moments(nodes, every.0)?.histories()))
     }
 
-    /// x and y in m of the nodes of an arm's link, numbered from 0: an array over time, node and axis.
-    fn positions<'py>(&self, py: Python<'py>, link: usize) -> Places<'py> {
+    /// x and y in m of the nodes of an arm's ``link``, numbered from 0, of every ``every``-th sample: an array over time, node
+    /// and axis.
+    #[pyo3(signature = (link, nodes=None, every=Every::ALL))]
+    fn positions<'py>(
+        &self,
+        py: Python<'py>,
+        link: usize,
+        nodes: Nodes,
+        every: Every,
+    ) -> PairsOverTime<'py> {
         check("positions", self.kind())?;
-        let shape = self.inverse().shapes().nth(link);
-        let shape = shape.ok_or_else(|| no_link(link, self.links()))?;
-        Ok(places_of_nodes(py, &shape.positions_m, self.inverse().grid.len)?)
+        let at = (link, nodes, every);
+        let (axes, samples) =
+            self.of_shape(at, |own, node| own.positions_m[node].iter().collect())?;
+        Ok(pairs(py, &axes, samples)?)
+    }
+
+    /// Distances in m of the nodes of a ``link``, numbered from 0, from its joint.
+    #[pyo3(signature = (link=0))]
+    fn nodes_of<'py>(&self, py: Python<'py>, link: usize) -> Raises<Bound<'py, PyArray1<f64>>> {
+        let all = self.inverse().nodes_m();
+        let nodes_m = all.get(link).ok_or_else(|| no_link(link, self.links()))?;
+        Ok(PyArray1::from_slice(py, nodes_m))
+    }
+
+    /// The torque at the hub, those of the joints, or the force on the carriage, as a controller plays it: the table of
+    /// ``flexlink solve --write``. ``window`` cuts the rows before and after which the torque stays below this share of its
+    /// peak, ``0.02`` or ``"2%"``; ``hold="zero"`` corrects the values for a converter that holds each until the next;
+    /// ``start_at`` is the time of the first row. ``quantities=["position", "effort"]`` makes set-points of drives, with
+    /// ``cycle``, ``side``, ``units`` and ``counts`` as the command has them. A table that is cut, held or of set-points is
+    /// played, and has the ``tip_error``.
+    #[pyo3(signature = (**keywords))]
+    fn table(&self, py: Python<'_>, keywords: Option<Keywords<'_>>) -> PyResult<SetPoints> {
+        let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
+        if keywords.contains("write")? {
+            let hint = "write(path) of the table writes it";
+            return Err(Raised::from(usage(&"unexpected keyword `write`", Some(hint))).into());
+        }
+        // `with` is a word of Python.
+        if let Some(quantities) = keywords.get_item("quantities")? {
+            keywords.del_item("quantities")?;
+            keywords.set_item("with", quantities)?;
+        }
+        let words = keywords::arguments(&keywords, &[])?;
+        let table = until_pressed(py, || {
+            SetPoints::of((self.inverse(), &self.plans), self.record_of_all()?, words)
+        })?;
+        warn(py, &table.notices())?;
+        Ok(table)
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if link and
@@ -264,12 +392,6 @@ impl Solution {
     fn write(&self, py: Python<'_>, folder: PathBuf, keywords: Option<Keywords<'_>>) -> Raises<()> {
         let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         apart(py, || self.write_into(&folder, more))
-    }
-
-    /// The histories as a `pandas.DataFrame` over the time, those of an arm with a column for each joint: ``torque1``,
-    /// ``torque2``.
-    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Any<'py>> {
-        frame(slf)
     }
 
     /// A pickle holds link and motion: they are solved again where it is read.
@@ -315,8 +437,8 @@ pub(crate) fn no_link(link: usize, links: usize) -> Failure {
 /// m, ``velocity`` in m/s, or ``angle`` in rad; or a file, whose path is in place of the time, or a :class:`Motion`. An array
 /// counts as a file that holds its numbers: few decimals limit its accuracy. Other keywords are the options of
 /// ``flexlink solve``: ``resample``, ``noise``, ``lowpass``, ``periodic``, ``moving_ends``,
-/// ``scale_distance``, ``scale_duration``, ``moments``, ``stations``; for a file ``columns``, ``time_unit``, ``unit``, ``scale``,
-/// ``skip``, ``delimiter``, ``decimal``, ``drop_outliers``. An arm takes ``x`` and ``y`` of its tip in m, or the directions ``angle1``,
+/// ``scale_distance``, ``scale_duration``, ``moments``, ``stations``; for a file ``columns``, ``time_unit``,
+/// ``sample_rate``, ``unit``, ``scale``, ``skip``, ``delimiter``, ``decimal``, ``drop_outliers``. An arm takes ``x`` and ``y`` of its tip in m, or the directions ``angle1``,
 /// ``angle2``, … of its links in rad. A link on a carriage takes the motion of a link except ``angle``; its solution has
 /// ``force`` and ``carriage``.
 ///

@@ -1,14 +1,16 @@
 //! Results read back.
 
 use flexlink::compare::{self, Cell};
-use flexlink::csv::Joints;
-use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredRun};
-use flexlink::store::{StoredResult, read_result};
+use flexlink::csv::{InputFile, Joints};
+use flexlink::motion::TipMotionHistories;
+use flexlink::result::{StoredArc, StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredRun};
+use flexlink::store::{SUMMARY, StoredResult, read_result};
 
-use crate::arrays::rows;
+use crate::arrays::{pairs, rows};
 use crate::prelude::*;
-use crate::properties::Value::{Notices, Stored};
-use crate::properties::{Properties, Value, check, frame};
+use crate::properties::Value::{Entry, Notices, OfJoints, Stored};
+use crate::properties::{Properties, Value, check, slices};
+use crate::solution::no_link;
 use crate::threads::without_python;
 
 /// Reads a result. The folder of a run of ``solve`` or ``simulate`` becomes a `Run`; the file of a sweep, and
@@ -17,9 +19,12 @@ use crate::threads::without_python;
 pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Raises<Any<'_>> {
     match without_python(py, || Ok(read_result(&path)?))? {
         StoredResult::Sweep(sweep) => Ok(columns(py, &sweep.table)?.into_any()),
-        StoredResult::Robust(study) => Ok(columns(py, &study.plants)?.into_any()),
+        StoredResult::Robust(studies) => match studies.into_iter().next() {
+            Some(study) => Ok(columns(py, &study.plants)?.into_any()),
+            None => Err(PyTypeError::new_err("no study").into()),
+        },
         StoredResult::Runs(runs) => match runs.into_iter().next() {
-            Some(run) => Ok(Bound::new(py, Run(run))?.into_any()),
+            Some(run) => Ok(Bound::new(py, Run::of(run, path)?)?.into_any()),
             None => Err(PyTypeError::new_err("no run").into()),
         },
     }
@@ -48,10 +53,15 @@ fn columns<'py>(py: Python<'py>, table: &compare::Table) -> PyResult<Bound<'py, 
     Ok(all)
 }
 
-/// A run of ``solve`` or ``simulate``, read from its folder: arrays with as many digits as the files have; those of an arm
-/// have a column for each joint, the inner one first.
+/// A run of ``solve`` or ``simulate``, read from its folder: the names of a :class:`Solution`, arrays with as many digits as
+/// the files have; those of an arm have a column for each joint, the inner one first. A quantity without a file is None.
 #[pyclass(frozen, module = "flexlink")]
-pub(crate) struct Run(StoredRun);
+pub(crate) struct Run {
+    stored: StoredRun,
+    folder: PathBuf,
+    /// Content of summary.json.
+    summary: String,
+}
 
 /// Advice for a folder without the tables of nodes, and for one without moments.
 const NO_NODES: &str = "the folder must hold nodal_displacements.csv, and in a link with weight the direction from which they count";
@@ -59,33 +69,51 @@ const NO_MOMENTS: &str =
     "solve(…, moments=True) computes them, and `write` of it writes bending_moments.csv";
 
 impl Run {
-    /// Deflections or moments at nodes in the folder, if there are any.
-    fn deflections_m(&self) -> Option<&StoredNodes> {
-        self.0.arc.as_ref()?.deflections_m.as_ref()
+    fn of(stored: StoredRun, folder: PathBuf) -> Fails<Self> {
+        let summary = InputFile::read(&folder.join(SUMMARY))?.text()?.to_owned();
+        Ok(Self { stored, folder, summary })
     }
 
-    fn moments_n_m(&self) -> Option<&StoredNodes> {
-        self.0.links[0].moments_n_m.as_ref()
+    /// Deflections or moments at nodes in the folder, if there are any.
+    fn deflections_m(&self) -> Option<&StoredNodes> {
+        self.stored.arc.as_ref()?.deflections_m.as_ref()
+    }
+
+    /// A link by its number from 0.
+    fn link(&self, link: usize) -> Fails<&StoredLink> {
+        self.stored.links.get(link).ok_or_else(|| no_link(link, self.links()))
     }
 
     fn nodal(&self) -> Option<&StoredNodes> {
-        self.deflections_m().or(self.moments_n_m())
+        self.deflections_m().or(self.stored.links[0].moments_n_m.as_ref())
+    }
+
+    /// Times of the nodes' histories.
+    fn nodal_times_s(&self) -> &[f64] {
+        let of_link = || self.nodal().map_or(&[][..], |nodes| &nodes.times_s);
+        if self.links() > 1 { &self.stored.nodal_times_s } else { of_link() }
+    }
+
+    /// A history of the motor of each joint that has one.
+    fn motors(&self, of: fn(&StoredMotor) -> Option<&Vec<f64>>) -> Vec<Option<&[f64]>> {
+        let joints = self.stored.joints.iter();
+        joints.map(|joint| joint.motor.as_ref().and_then(of).map(Vec::as_slice)).collect()
+    }
+
+    /// A history of the tip along its arc, of one link.
+    fn tip(&self, of: fn(&TipMotionHistories) -> &Vec<f64>) -> Vec<&[f64]> {
+        slices(self.stored.arc.iter().map(|arc| of(&arc.tip)))
     }
 
     /// A history of each joint that has it.
     fn joints(&self, of: fn(&StoredJoint) -> Option<&Vec<f64>>) -> Vec<&[f64]> {
-        self.0.joints.iter().filter_map(|joint| of(joint).map(Vec::as_slice)).collect()
+        self.stored.joints.iter().filter_map(|joint| of(joint).map(Vec::as_slice)).collect()
     }
 
     /// A history of the carriage, of one link or of an arm.
     fn carriage(&self, of: fn(&StoredJoint) -> Option<&Vec<f64>>) -> Vec<&[f64]> {
-        let of_arm = self.0.carriage.as_ref().map(|own| &own.joint);
-        of(of_arm.unwrap_or(&self.0.joints[0])).map(Vec::as_slice).into_iter().collect()
-    }
-
-    /// A history of one link, or its nodes.
-    fn arc(&self, of: fn(&StoredArc) -> &[f64]) -> Vec<&[f64]> {
-        self.0.arc.iter().map(of).collect()
+        let of_arm = self.stored.carriage.as_ref().map(|own| &own.joint);
+        of(of_arm.unwrap_or(&self.stored.joints[0])).map(Vec::as_slice).into_iter().collect()
     }
 
     /// Histories of a quantity at nodes, all by default. The turn of the hub adds its arc, if the quantity is total.
@@ -95,59 +123,89 @@ impl Run {
         (name, stored, hint): (&str, Option<&StoredNodes>, &str),
         (nodes, is_total): (Option<Vec<usize>>, bool),
     ) -> Table<'py> {
-        check(name, self.kind())?;
-        let (Some(stored), Some(StoredArc { origin_rad, mesh, .. })) = (stored, &self.0.arc) else {
+        let Some(stored) = stored else {
             let message = format!("{name} is missing: the run did not write it");
             return Err(Failure::new(Exit::InputRefused, &message, Some(hint)).into());
         };
-        let (times_s, last) = (&self.0.times_s, self.0.times_s.len() - 1);
-        let half_a_step_s = 0.5 * (times_s[last] - times_s[0]) / last as f64;
-        // Both are ascending, and equal times have equal numbers.
-        let mut hub = times_s.iter().zip(&self.0.joints[0].angle_rad);
-        let turned = stored.times_s.iter().map(|at_s| {
-            let at = hub.by_ref().find(|(time_s, _)| **time_s >= at_s - half_a_step_s);
-            at.map_or(f64::NAN, |(_, angle_rad)| angle_rad - origin_rad)
-        });
-        let turned: Vec<f64> = turned.collect();
+        let turned = match &self.stored.arc {
+            Some(arc) if is_total => self.turned(arc, &stored.times_s),
+            _ => Vec::new(),
+        };
         let history = |node: usize| {
             let Some(at) = stored.nodes.iter().position(|own| *own == node) else {
                 let all: Vec<String> = stored.nodes.iter().map(usize::to_string).collect();
                 let must = format!("must be one that was written: {}", all.join(", "));
                 return Err(usage(&format!("nodes = {node}, but {must}"), None));
             };
-            let (rigid, history) = (mesh.rigid(node)[0], stored.histories[at].iter());
+            let history = stored.histories[at].iter();
+            let Some(arc) = self.stored.arc.as_ref().filter(|_| is_total) else {
+                return Ok(history.copied().collect());
+            };
+            let rigid = arc.mesh.rigid(node)[0];
             let total = |(value, angle_rad): (&f64, &f64)| value + rigid * angle_rad;
-            let arcs = history.clone().zip(&turned).map(total);
-            Ok(if is_total { arcs.collect() } else { history.copied().collect() })
+            Ok(history.zip(&turned).map(total).collect())
         };
         let nodes = nodes.unwrap_or_else(|| stored.nodes.clone());
         let histories = nodes.into_iter().map(history).collect::<Result<Vec<Vec<f64>>, _>>()?;
         Ok(rows(py, &histories, stored.times_s.len())?)
     }
+
+    /// Angle in rad by which the hub has turned at these times, some or all of those of the run.
+    fn turned(&self, StoredArc { origin_rad, .. }: &StoredArc, at_s: &[f64]) -> Vec<f64> {
+        let (times_s, last) = (&self.stored.times_s, self.stored.times_s.len() - 1);
+        let half_a_step_s = 0.5 * (times_s[last] - times_s[0]) / last as f64;
+        // Both are ascending, and equal times have equal numbers.
+        let mut hub = times_s.iter().zip(&self.stored.joints[0].angle_rad);
+        let turned = at_s.iter().map(|at_s| {
+            let at = hub.by_ref().find(|(time_s, _)| **time_s >= at_s - half_a_step_s);
+            at.map_or(f64::NAN, |(_, angle_rad)| angle_rad - origin_rad)
+        });
+        turned.collect()
+    }
 }
 
 impl Properties for Run {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
-        ("time", Stored(|own| vec![&own.0.times_s])),
+        ("time", Stored(|own| vec![&own.stored.times_s])),
         ("torque", Stored(|own| own.joints(|joint| Some(&joint.torque_n_m)))),
         ("force", Stored(|own| own.carriage(|joint| Some(&joint.torque_n_m)))),
         ("rigid_torque", Stored(|own| own.joints(|joint| joint.rigid_torque_n_m.as_ref()))),
         ("rigid_force", Stored(|own| own.carriage(|joint| joint.rigid_torque_n_m.as_ref()))),
         ("hub_angle joint_angle", Stored(|own| own.joints(|joint| Some(&joint.angle_rad)))),
+        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| Some(&joint.rate_rad_s)))),
+        (
+            "hub_acceleration joint_acceleration",
+            Stored(|own| own.joints(|joint| Some(&joint.acceleration_rad_s2))),
+        ),
+        (
+            "rigid_hub_angle rigid_joint_angle rigid_carriage",
+            Stored(|own| own.joints(|joint| joint.rigid_angle_rad.as_ref())),
+        ),
         ("carriage", Stored(|own| own.carriage(|joint| Some(&joint.angle_rad)))),
-        ("tip_displacement", Stored(|own| own.arc(|arc| &arc.tip.displacement_m))),
-        ("tip_velocity", Stored(|own| own.arc(|arc| &arc.tip.velocity_m_s))),
-        ("tip_acceleration", Stored(|own| own.arc(|arc| &arc.tip.acceleration_m_s2))),
-        ("tip", Stored(|own| own.0.tip_m.iter().map(Vec::as_slice).collect())),
-        ("nodes", Stored(|own| own.arc(|arc| arc.mesh.nodes_m()))),
-        ("nodal_time", Stored(|own| vec![own.nodal().map_or(&[], |nodes| &nodes.times_s)])),
-        ("warnings", Notices(|own| own.0.warnings.clone())),
+        ("carriage_velocity", Stored(|own| own.carriage(|joint| Some(&joint.rate_rad_s)))),
+        (
+            "carriage_acceleration",
+            Stored(|own| own.carriage(|joint| Some(&joint.acceleration_rad_s2))),
+        ),
+        ("tip_displacement", Stored(|own| own.tip(|tip| &tip.displacement_m))),
+        ("tip_velocity", Stored(|own| own.tip(|tip| &tip.velocity_m_s))),
+        ("tip_acceleration", Stored(|own| own.tip(|tip| &tip.acceleration_m_s2))),
+        ("tip", Stored(|own| slices(own.stored.tip_m.iter()))),
+        ("motor_torque", OfJoints(|own| own.motors(|motor| Some(&motor.torque_n_m)))),
+        ("motor_rate", OfJoints(|own| own.motors(|motor| Some(&motor.rate_rad_s)))),
+        ("motor_current", OfJoints(|own| own.motors(|motor| motor.current_a.as_ref()))),
+        ("motor_voltage", OfJoints(|own| own.motors(|motor| motor.voltage_v.as_ref()))),
+        ("nodes", Stored(|own| own.stored.arc.iter().map(|arc| arc.mesh.nodes_m()).collect())),
+        ("nodal_time", Stored(|own| vec![own.nodal_times_s()])),
+        ("errors", Entry),
+        ("results", Entry),
+        ("warnings", Notices(|own| own.stored.warnings.clone())),
+        ("remarks", Notices(|own| own.stored.remarks.clone())),
     ];
-    const FRAME: &'static str = "torque force hub_angle joint_angle carriage tip_displacement tip_velocity tip_acceleration tip";
 
     fn kind(&self) -> Joints {
-        let slides = self.0.links[0].link.joint().slides() || self.0.carriage.is_some();
-        Joints { links: self.0.joints.len(), slides }
+        let slides = self.stored.links[0].link.joint().slides() || self.stored.carriage.is_some();
+        Joints { links: self.stored.joints.len(), slides }
     }
 }
 
@@ -156,13 +214,13 @@ impl Run {
     /// ``"solve"`` or ``"simulate"``.
     #[getter]
     fn command(&self) -> &str {
-        &self.0.origin.command
+        &self.stored.origin.command
     }
 
     /// Title of the link file.
     #[getter]
     fn title(&self) -> &str {
-        &self.0.origin.title
+        &self.stored.origin.title
     }
 
     /// Numbers of the nodes that were written, from 0 at the root.
@@ -176,34 +234,51 @@ impl Run {
     /// a row for each of ``nodal_time``, a column for each node.
     #[pyo3(signature = (nodes=None))]
     fn displacements<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>) -> Table<'py> {
+        check("displacements", self.kind())?;
         self.histories(py, ("displacements", self.deflections_m(), NO_NODES), (nodes, true))
     }
 
-    /// Deflections of nodes in m from the hub's tangent line, in the form of ``displacements``.
+    /// Deflections of nodes of one link in m from the hub's tangent line, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None))]
     fn deflections<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>) -> Table<'py> {
+        check("displacements", self.kind())?;
         self.histories(py, ("deflections", self.deflections_m(), NO_NODES), (nodes, false))
     }
 
-    /// Bending moments at nodes in N m, written by a run with ``moments``, in the form of ``displacements``.
-    #[pyo3(signature = (nodes=None))]
-    fn moments<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>) -> Table<'py> {
-        self.histories(py, ("moments", self.moments_n_m(), NO_MOMENTS), (nodes, false))
+    /// Bending moments at nodes in N m of a ``link``, numbered from 0, written by a run with ``moments``, in the form of
+    /// ``displacements``.
+    #[pyo3(signature = (nodes=None, *, link=0))]
+    fn moments<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>, link: usize) -> Table<'py> {
+        let stored = self.link(link)?.moments_n_m.as_ref();
+        self.histories(py, ("moments", stored, NO_MOMENTS), (nodes, false))
     }
 
-    /// Numbers of summary.json by name: ``peak_torque_n_m``.
+    /// x and y in m of the nodes of an arm's ``link``, numbered from 0: an array over ``nodal_time``, node and axis.
+    fn positions<'py>(&self, py: Python<'py>, link: usize) -> PairsOverTime<'py> {
+        check("positions", self.kind())?;
+        let axes: Vec<&Vec<f64>> = self.link(link)?.positions_m.iter().flatten().collect();
+        Ok(pairs(py, &axes, self.stored.nodal_times_s.len())?)
+    }
+
+    /// Distances in m of the nodes of a ``link``, numbered from 0, from its joint.
+    #[pyo3(signature = (link=0))]
+    fn nodes_of<'py>(&self, py: Python<'py>, link: usize) -> Raises<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, &self.link(link)?.nodes_m))
+    }
+
+    /// The folder.
     #[getter]
-    fn results<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.0.readings.iter().map(|(name, value)| (name, value)).into_py_dict(py)
+    fn folder(&self) -> &Path {
+        &self.folder
     }
 
-    /// The histories as a `pandas.DataFrame` over the time, those of an arm with a column for each joint: ``torque1``,
-    /// ``torque2``.
-    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Any<'py>> {
-        frame(slf)
+    /// Content of summary.json.
+    #[getter]
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
+        loaded(py, &self.summary)
     }
 
     fn __repr__(&self) -> String {
-        format!("Run({:?}, samples={})", self.command(), self.0.times_s.len())
+        format!("Run({:?}, samples={})", self.command(), self.stored.times_s.len())
     }
 }

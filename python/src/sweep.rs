@@ -3,6 +3,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use flexlink::cli::options::common::option;
 use flexlink::cli::options::inputs::{Wanted, are_read_alike, scale_arguments};
 use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
@@ -10,20 +11,22 @@ use flexlink::cli::sweep::tally::{Tally, of_limit};
 use flexlink::cli::terminal::memory;
 use flexlink::inverse::Resources;
 use flexlink::link::Arm;
-use flexlink::motion::{MotionScale, Periods};
+use flexlink::motion::{Motion, MotionScale, Periods};
 use flexlink::spec::{LinkDocument, Specification};
-use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind, in_order};
+use flexlink::store::{OutputFolder, RunInputs, Simulated};
+use flexlink::sweep::{CaseNumbers, PlayedCase, SolvedCase, SweepKind, in_order};
 use rayon::ThreadPoolBuilder;
 
 use crate::arrays::unlike;
 use crate::keywords::{self, solve_options, take};
 use crate::link::{Link, Source};
-use crate::messages::in_python;
 use crate::motion::Call;
+use crate::played::{Table, take_table};
 use crate::prelude::*;
 use crate::samples::{Samples, meshed};
 use crate::solution::Solution;
 use crate::threads::{interruptible, started};
+use crate::wording::in_python;
 
 /// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a dictionary. It
 /// has the values of each key that cases change, then arrays of numbers, with not a number where a case has none. The list
@@ -34,6 +37,13 @@ use crate::threads::{interruptible, started};
 /// Values that are all numbers are an array, not a number where a case does not change the key; others are a list, with
 /// None there. The motion is passed as to ``solve``. Cases run on ``threads``, by default as many as cores; Ctrl-C ends
 /// the sweep after the cases at work.
+///
+/// With ``torque`` every case plays this table instead, as ``flexlink sweep --torque``: a file, a dictionary of its columns
+/// ``time`` and ``torque``, of an arm ``torque1``, ``torque2``, …, or the result of :func:`solve`, :func:`simulate`,
+/// :func:`learn` or of ``table``. The columns say how far the tip strays from the motion. ``feedback`` is a pair of gains, or
+/// one for each joint, around ``reference``, such a table or result; ``hold`` is ``"cubic"``, ``"linear"`` or ``"zero"``.
+/// ``input`` is the quantity to play, ``"torque"``, ``"hub_angle"``, ``"force"``, ``"carriage"`` or ``"voltage"``, and ``column``
+/// its column.
 ///
 /// ``outputs`` is a folder for the files of each case, as ``write`` writes them, in subfolders ``1``, ``2``, … with as many
 /// digits as the number of cases has. ``moments``, ``stations`` and the keywords of ``write`` choose what is written.
@@ -50,6 +60,11 @@ use crate::threads::{interruptible, started};
 /// True
 /// >>> table["segments.*.EI*"], table["error"]
 /// (array([ 1.,  4., 16.]), [None, None, None])
+/// >>> rig = link.changed({"damping": {"model": "rayleigh", "alpha": 0.1, "beta": 0.002}})
+/// >>> solution = flexlink.solve(rig, **motion)
+/// >>> played = flexlink.sweep(rig, cases[:2], torque=solution, **motion)
+/// >>> (played["tip_error_share"] < 1e-4).tolist()  # the torque is that of the first link
+/// [True, False]
 #[pyfunction]
 #[pyo3(signature = (link, cases, time, *, threads=None, outputs=None, **keywords))]
 pub(crate) fn sweep<'py>(
@@ -61,6 +76,8 @@ pub(crate) fn sweep<'py>(
     outputs: Option<PathBuf>,
     keywords: Option<Keywords<'py>>,
 ) -> Dictionary<'py> {
+    // Loads NumPy before the work that Ctrl-C may end.
+    drop(PyArray1::<f64>::from_vec(py, Vec::new()));
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     let number = |threads: Any<'py>| {
         let number = threads.extract().ok().filter(|number| (1..=256).contains(number));
@@ -69,8 +86,9 @@ pub(crate) fn sweep<'py>(
     let threads: Option<usize> = threads.map(number).transpose()?;
     let varied = varied(py, &cases)?;
     let cases = cases.iter().map(Case::read).collect::<PyResult<Vec<Case>>>()?;
+    let played = take_table(&keywords, (&link.specification.arm, link.kind()))?;
     let call = Call::take(time, &keywords, link.links())?;
-    let mut shared = Shared::of(link, call, (outputs, cases.len()))?;
+    let mut shared = Shared::of(link, (call, played), (outputs, cases.len()))?;
     let rows = interruptible(py, |stop| all_rows(&mut shared, &cases, threads, stop))?;
     table(varied, shared.kind, rows)
 }
@@ -173,6 +191,9 @@ type Row = Fails<(CaseNumbers, Vec<Notice>)>;
 const WRITTEN: [&str; 7] =
     ["--nodes", "--stations", "--every", "--deflections", "--moments", "--digits", "--golden"];
 
+/// Those of a solution alone.
+const OF_SOLUTION: [&str; 3] = ["--deflections", "--moments", "--golden"];
+
 /// Common data of all cases.
 struct Shared {
     source: Source,
@@ -189,6 +210,8 @@ struct Shared {
     arm: Arm,
     /// The periods of one link's motion, which most cases share.
     periods: Option<Arc<Periods>>,
+    /// The table that every case plays.
+    played: Option<Table>,
     kind: SweepKind,
     /// Memory in bytes for each of the cases that run at the same time, set at their start.
     memory_bytes: Option<usize>,
@@ -196,7 +219,11 @@ struct Shared {
 
 impl Shared {
     /// Reads the motion of a call. Refuses options for results without a folder for them.
-    fn of(link: &Link, call: Call<'_>, outputs: (Option<PathBuf>, usize)) -> Fails<Self> {
+    fn of(
+        link: &Link,
+        (call, played): (Call<'_>, Option<Table>),
+        outputs: (Option<PathBuf>, usize),
+    ) -> Fails<Self> {
         let options = solve_options(&call.arguments)?;
         let mut names = call.arguments.iter().filter_map(|own| own.split('=').next());
         if outputs.0.is_none()
@@ -206,7 +233,12 @@ impl Shared {
             let hint = "outputs=FOLDER writes the results of each case into a separate folder";
             return Err(usage(&format!("{option} without outputs, but {must}"), Some(hint)));
         }
-        let (wanted, _) = call.wanted(link, &options)?;
+        let arm = &link.specification.arm;
+        if let Some(name) = names.find(|name| played.is_some() && OF_SOLUTION.contains(name)) {
+            return Err(usage(&format!("{name} has no effect on a played torque"), None));
+        }
+        drop(names);
+        let (wanted, _) = call.wanted(link, &options.motion)?;
         let periods = match (call.motion, wanted.motion.tip()) {
             (Some(motion), _) => Some(Arc::clone(&motion.periods)),
             (None, tip) => tip.map(|tip| Arc::new(Periods::of(tip))),
@@ -219,9 +251,10 @@ impl Shared {
             outputs,
             samples: call.samples,
             wanted,
-            arm: link.specification.arm.clone(),
+            arm: arm.clone(),
             periods,
-            kind: SweepKind::of_arm(&link.specification.arm),
+            kind: played.as_ref().map_or_else(|| SweepKind::of_arm(arm), |own| own.args.kind(arm)),
+            played,
             memory_bytes: None,
         })
     }
@@ -235,7 +268,7 @@ impl Shared {
 
     /// The options of a case whose motion is scaled, for the record: both factors in one.
     fn arguments_of(&self, case: &Case) -> Vec<String> {
-        let own = self.options.scale.scale();
+        let own = self.options.motion.scale.scale();
         let scale = MotionScale {
             distance: own.distance * case.scale.distance,
             duration: own.duration * case.scale.duration,
@@ -269,6 +302,9 @@ impl Shared {
         if folder.is_none() && self.arm.links().len() == 1 {
             specification.analysis = specification.analysis.without_tables();
         }
+        if let Some(table) = &self.played {
+            return self.play(table, (&specification, &wanted.motion), (folder, case));
+        }
         let problem = Problem::of(&self.source.file, specification, wanted);
         let (memory_bytes, periods) = (self.memory_bytes, self.periods.as_deref());
         let resources = Resources { memory_bytes, periods, ..Resources::default() };
@@ -286,6 +322,30 @@ impl Shared {
         Ok((numbers, notices))
     }
 
+    /// Plays the table on a case.
+    fn play(
+        &self,
+        Table { args, driven, arguments }: &Table,
+        (specification, motion): (&Specification, &Motion),
+        (folder, case): (Option<PathBuf>, &Case),
+    ) -> Row {
+        let of_case = (&self.source.file, specification, motion);
+        args.played(driven, of_case, self.memory_bytes, |run, tip_error| {
+            let Simulated { played, metrics, .. } = run.result;
+            let numbers = self.kind.played(&PlayedCase { simulation: played, metrics, tip_error });
+            if let Some(folder) = folder {
+                self.options.nodes.check(&played.nodes_m())?;
+                let outputs = self.options.outputs();
+                memory::check_nodes(outputs.simulation_bytes(played), self.memory_bytes)?;
+                let changes = case.link.iter().flat_map(|change| option("--set", change));
+                let arguments = changes.chain(self.arguments_of(case)).chain(arguments.clone());
+                let inputs = RunInputs::of_arguments(arguments.collect());
+                run.write(inputs, &outputs, || Ok(OutputFolder::stage(&folder, &|_| {})?))?;
+            }
+            Ok((numbers, run.notices(|limit| of_limit(limit, run.arm))))
+        })
+    }
+
     /// The motion of a case.
     fn wanted_of(&self, specification: &Specification, case: &Case) -> Fails<Wanted> {
         let arm = &specification.arm;
@@ -296,7 +356,8 @@ impl Shared {
         }
         // Angles are arcs of a link's length. A case may vary this length and the start angle.
         let is_alike = are_read_alike(arm, &self.arm);
-        let read = (!is_alike).then(|| self.samples.wanted(arm, &self.options)).transpose()?;
+        let read =
+            (!is_alike).then(|| self.samples.wanted(arm, &self.options.motion)).transpose()?;
         let wanted = read.as_ref().map_or(&self.wanted, |(wanted, _)| wanted);
         wanted.of_case(case.scale)
     }

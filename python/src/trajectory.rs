@@ -1,12 +1,14 @@
 //! `trajectory`: motions of a tip and paths of an arm's tip, from the command's options.
 
+use flexlink::cli::options::common::option;
 use flexlink::cli::trajectory::{Found, Trajectory};
 
 use crate::arrays::dictionary;
 use crate::keywords::{arguments, parsed};
-use crate::messages::in_python;
+use crate::link::{Link, Source, without_line};
 use crate::prelude::*;
 use crate::threads::until_pressed;
+use crate::wording::in_python;
 
 /// Options that a list repeats once for each element.
 const REPEATED: [&str; 3] = ["via", "set", "fit_limit"];
@@ -21,13 +23,20 @@ const RENAMED: [(&str, &str); 1] = [("from", "start")];
 /// Keywords are the options of ``flexlink trajectory``: ``distance``, ``duration``, ``step``, ``rest_before``,
 /// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``shape``, ``of``, ``quiet_at`` and
 /// ``modes``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``, ``carriage``,
-/// and ``start`` for ``--from``. A list of ``via``, ``set`` or ``fit_limit`` repeats the option. Notes, as on a duration that
-/// was found, go to ``sys.stderr``.
+/// and ``start`` for ``--from``. ``link`` is a :class:`Link` or the path of its file. A list of ``via``, ``set`` or
+/// ``fit_limit`` repeats the option; ``fit_limit`` may be a dictionary of limits. Notes, as on a duration that was found, go
+/// to ``sys.stderr``.
 ///
 /// >>> import flexlink
 /// >>> motion = flexlink.trajectory("sine", distance=0.5, duration=0.8, step=0.01)
 /// >>> sorted(motion), motion["time"].size
 /// (['acceleration', 'time'], 81)
+/// >>> strip = {"length": 1.5, "EI": 5.0, "mass_per_length": 0.8}
+/// >>> link = flexlink.Link(segments=[strip], hub={"inertia": 0.1}, damping={"ratio": 0.02})
+/// >>> turned = flexlink.trajectory("sine", link=link, distance="0.5 rad", duration=0.8, step=0.01)
+/// >>> ratio = abs(turned["acceleration"]).max() / abs(motion["acceleration"]).max()
+/// >>> float(ratio.round(9))  # an arc of 0.75 m
+/// 1.5
 #[pyfunction]
 #[pyo3(signature = (profile, **keywords))]
 pub(crate) fn trajectory<'py>(
@@ -36,20 +45,40 @@ pub(crate) fn trajectory<'py>(
     keywords: Option<Keywords<'py>>,
 ) -> Dictionary<'py> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
+    let link = keywords.get_item("link")?.and_then(|value| value.cast_into::<Link>().ok());
     let mut repeated = Vec::new();
+    if let Some(link) = &link {
+        keywords.del_item("link")?;
+        let Source { file, changes, .. } = &link.get().source;
+        repeated.extend(option("--link", &file.shown));
+        repeated.extend(changes.iter().flat_map(|change| option("--set", change)));
+    }
     for name in REPEATED {
         let Some(values) = keywords.get_item(name)? else { continue };
-        if let Ok(values) = values.cast_into::<PyList>() {
-            keywords.del_item(name)?;
-            for value in values {
-                repeated.extend(arguments(&[(name, value)].into_py_dict(py)?, &[])?);
+        let values = match values.cast::<PyDict>() {
+            Ok(pairs) => {
+                let each = |pair| Ok([pair].into_py_dict(py)?.into_any());
+                pairs.iter().map(each).collect::<PyResult<Vec<_>>>()?
             }
+            Err(_) => match values.cast::<PyList>() {
+                Ok(values) => values.iter().collect::<Vec<_>>(),
+                Err(_) => continue,
+            },
+        };
+        keywords.del_item(name)?;
+        for value in values {
+            repeated.extend(arguments(&[(name, value)].into_py_dict(py)?, &[])?);
         }
     }
     let options = arguments(&keywords, &RENAMED)?;
     let words = [options, repeated, vec![profile.to_owned()]].concat();
     let trajectory: Trajectory = parsed(&words, &[], &RENAMED)?;
-    let (columns, Found { notes, warnings, .. }) = until_pressed(py, || made(&trajectory))?;
+    let trajectory = match &link {
+        Some(link) => trajectory.of_link(link.get().source.file.clone()),
+        None => trajectory,
+    };
+    let (columns, Found { notes, warnings, .. }) =
+        until_pressed(py, || made(&trajectory).map_err(without_line))?;
     // The text that a notebook shows, too.
     let written = py.import("sys")?.getattr("stderr")?;
     for note in notes.iter().filter(|_| !written.is_none()) {

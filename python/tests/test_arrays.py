@@ -83,7 +83,7 @@ def test_what_is_no_motion_is_refused_by_name_and_index() -> None:
     assert refused(TIME, acceleration=ACCELERATION, angle=TIME).startswith("angle stands beside")
     other = "unexpected keyword `nonsense`"
     assert refused(TIME, acceleration=ACCELERATION, nonsense=1).startswith(other)
-    noise = "noise = -1: must be a length above 0"
+    noise = "noise = -1: must be a length or an angle above 0"
     assert refused(TIME, displacement=ACCELERATION, noise=-1) == noise
 
 
@@ -120,7 +120,11 @@ def test_an_arms_histories_are_a_column_for_each_joint(tmp_path: Path) -> None:
     assert (frame.index.to_numpy() == solution.time).all()
     solution.write(tmp_path)
     read = flexlink.read(tmp_path).to_pandas()
-    assert list(read) == ["torque1", "torque2", "joint_angle1", "joint_angle2", "tip_x", "tip_y"]
+    of_joints = ["torque", "rigid_torque", "joint_angle", "joint_rate", "joint_acceleration"]
+    assert list(read) == [f"{name}{joint}" for name in of_joints for joint in (1, 2)] + [
+        "tip_x",
+        "tip_y",
+    ]
     assert abs(read["torque1"] - frame["torque1"]).max() < 1e-9 * abs(frame["torque1"]).max()
 
 

@@ -133,5 +133,5 @@ def test_refusals_name_the_argument() -> None:
     for threads in (0, -1, 10**9, 10**30):
         with pytest.raises(flexlink.InputError, match="^threads = .*, but must be a whole number from 1 to 256"):
             flexlink.sweep(link, [{}], MOTION, threads=threads)
-    with pytest.raises(TypeError, match="^link = <class 'flexlink.Link'>, but must be a number, a text or the path"):
-        flexlink.trajectory("septic", distance="60 deg", duration=0.6, step=0.002, link=link)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="^distance = <class 'flexlink.Link'>, but must be a number, a text or the path"):
+        flexlink.trajectory("septic", distance=link, duration=0.6, step=0.002)  # type: ignore[call-overload]

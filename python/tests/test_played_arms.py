@@ -108,7 +108,7 @@ def test_constant_torque_turns_stiff_bars_as_one_rigid_body() -> None:
     assert abs(played.positions(1)[:, -1] - played.tip).max() < 1e-12
 
 
-def arm_nodes(played: flexlink.ArmSimulation) -> int:
+def arm_nodes(played: flexlink.Simulation) -> int:
     elements = played.summary["arm"]["links"][1]["elements"]
     return int(elements) + 1
 

@@ -209,13 +209,13 @@ def test_a_step_writes_the_table_of_the_command(command: Command, tmp_path: Path
     sets = ["--set", "payload.mass=0.1", "--set"]
     sets += ['damping={"model" = "rayleigh", "alpha" = 0.1, "beta" = 0.002}']
     uncertain = [word for own in OFF for word in ("--uncertain", own)]
-    own = [LINK, "m.csv", "camera.csv", *sets, *uncertain, "--unit", "mm"]
+    own = [LINK, "m.csv", "camera.csv", *sets, *uncertain, "--unit", "measured:mm"]
     applied = tmp_path / "first/torque.csv"
     for extra, table in [([], None), (["--applied", applied], applied)]:
         done = command("learn", *own, *extra, "-o", "a.csv", "--json")
         assert done.returncode == 0, done.stderr
         step = flexlink.learn(
-            link, motion, tmp_path / "camera.csv", applied=table, uncertain=OFF, unit="mm"
+            link, motion, tmp_path / "camera.csv", applied=table, uncertain=OFF, unit="measured:mm"
         )
         step.write(tmp_path / "b.csv")
         assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()

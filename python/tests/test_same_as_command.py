@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -68,7 +69,7 @@ def test_tables_over_frequency_and_motions_are_those_of_the_command(
         assert [float(text) for text in texts] == found[name].tolist(), name
     options = ("--distance", 0.5, "--duration", 0.88, "--step", 0.001, "-o", "motion.csv")
     command("trajectory", "min-jerk", *options)
-    motion = flexlink.trajectory("min-jerk", distance=0.5, duration=0.88, step=0.001)
+    motion: Any = flexlink.trajectory("min-jerk", distance=0.5, duration=0.88, step=0.001)
     for name, texts in columns(tmp_path / "motion.csv").items():
         # Times are written to so many decimals as the step has.
         np.testing.assert_allclose(motion[name], [float(x) for x in texts], rtol=1e-15, atol=1e-15)

@@ -19,7 +19,8 @@ use crate::store::{
 use crate::text::shown_path;
 
 use crate::cli::options::common::option;
-use crate::cli::options::inputs::{LinkArgs, tell as tell_reading, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, warn_of_gravity};
+use crate::cli::options::reading::tell as tell_reading;
 use crate::cli::terminal::files::{keep_inputs, keep_page_apart, read_once};
 use crate::cli::terminal::text::fit_text;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console};

@@ -22,7 +22,7 @@ use crate::store::{
 use crate::text::{given, significant};
 
 use super::modes::falling;
-use crate::cli::options::common::{angle_rad, directions};
+use crate::cli::options::common::{angle_rad, directions, hertz};
 use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::keep_files;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
@@ -71,12 +71,12 @@ pub struct Frf {
     #[arg(value_delimiter = ',')]
     at: Option<Vec<f64>>,
 
-    /// Lowest frequency [default: a tenth of the first natural frequency].
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    /// Lowest frequency in Hz or with its unit [default: a tenth of the first natural frequency].
+    #[arg(long, value_name = "HZ", value_parser = hertz, allow_hyphen_values = true)]
     from: Option<f64>,
 
-    /// Highest frequency [default: twice the fifth natural frequency].
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    /// Highest frequency in Hz or with its unit [default: twice the fifth natural frequency].
+    #[arg(long, value_name = "HZ", value_parser = hertz, allow_hyphen_values = true)]
     to: Option<f64>,
 
     /// Number of frequencies.

@@ -10,7 +10,7 @@ const PAGES: [(&str, &str, &str); 24] = [
     ("index", "Contents of the book", include_str!("../../docs/index.md")),
     ("install", "Install and test", include_str!("../../docs/install.md")),
     ("first_torque", "How to begin", include_str!("../../docs/first_torque.md")),
-    ("first_uses", "Six first uses", include_str!("../../docs/first_uses.md")),
+    ("first_uses", "Eight first uses", include_str!("../../docs/first_uses.md")),
     ("your_link", "From a drawing to a link file", include_str!("../../docs/your_link.md")),
     ("your_motion", "Make and read motions", include_str!("../../docs/your_motion.md")),
     ("is_it_true", "Errors and checks", include_str!("../../docs/is_it_true.md")),
@@ -227,7 +227,7 @@ fn table(rows: &[&str]) -> String {
 }
 
 /// Lines of at most `width` letters, except for longer words.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
+pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     // A percent sign stays with its number.
     for word in text.replace(" %", "\u{a0}%").split(' ').filter(|word| !word.is_empty()) {

@@ -9,16 +9,15 @@ use rayon::prelude::*;
 use super::problem::Problem;
 use super::robust::{Plants, RobustOptions, not_played};
 use crate::cli::options::common::{digits_arguments, option, seconds};
-use crate::cli::options::inputs::{
-    ChangeArgs, LINK, MOTION, MotionArgs, ReadArgs, ResampleArgs, ScaleArgs, tell,
-};
+use crate::cli::options::inputs::{ChangeArgs, LINK, MOTION, MotionArgs};
+use crate::cli::options::reading::TableName;
 use crate::cli::terminal::files::{keep_files, read_once};
 use crate::cli::terminal::text::learn_text;
 use crate::cli::terminal::{
     Exit, Failure, PrintArgs, StageBar, ThreadArgs, WarningArgs, console, memory,
 };
 use crate::csv::{
-    Digits, InputFile, Joints, Reading, TableFormat, read_joint_references, read_joint_torques,
+    Digits, InputFile, Joints, Reading, TableError, read_joint_references, read_joint_torques,
     read_recording_as,
 };
 use crate::inverse::{Resources, Solution, invert_motion};
@@ -85,8 +84,7 @@ pub(crate) struct Learn {
     #[arg(value_name = "MOTION", help = MOTION)]
     motion: PathBuf,
 
-    /// Recording (CSV): `time` and `tip`, of an arm `x` and `y`, at any times, as --measured of simulate. The options of
-    /// reading are those of this table.
+    /// Recording (CSV): `time` and `tip`, of an arm `x` and `y`, at any times, as --measured of simulate.
     #[arg(value_name = "MEASURED")]
     measured: PathBuf,
 
@@ -142,14 +140,11 @@ pub struct LearnOptions {
     pub digits: Digits,
 
     #[command(flatten)]
-    resample: ResampleArgs,
-
-    #[command(flatten)]
-    scale: ScaleArgs,
-
-    #[command(flatten)]
-    read: ReadArgs,
+    pub motion: MotionArgs,
 }
+
+/// Tables that options of reading may name.
+const TABLES: [TableName; 3] = [TableName::Motion, TableName::Measured, TableName::Applied];
 
 /// A recording of the tip, and the table that was played for it.
 pub struct Trial<'a> {
@@ -192,19 +187,19 @@ impl Learn {
         let changes = options.changes.overrides()?;
         let (plants, specification) = options.plants((&file, changes), fit.as_ref())?;
         let motion = InputFile::read(&self.motion)?;
-        let read = ReadArgs::default();
-        let problem = Problem::read((&file, specification), &motion, options.motion(&read))?;
+        options.motion.read.check(&TABLES)?;
+        let problem = Problem::read((&file, specification), &motion, &options.motion)?;
         let arm = &problem.specification.arm;
         let applied = self.applied.as_deref().map(InputFile::read).transpose()?;
         let table = applied.as_ref().map(|file| {
             let (table, reading) = options.table(file, arm)?;
-            tell(&file.shown, &reading);
+            TableName::Applied.tell(&file.shown, &reading);
             Ok::<_, Failure>(table)
         });
         let table = table.transpose()?;
         let measured = InputFile::read(&self.measured)?;
         let (recording, reading) = options.recording(&measured, arm)?;
-        tell(&measured.shown, &reading);
+        TableName::Measured.tell(&measured.shown, &reading);
         let stages = self.print.stages();
         let solved = problem.solve(|own| *own, memory::available(), &stages)?;
         let played = applied.as_ref().map_or("solve", |file| &file.shown);
@@ -254,11 +249,6 @@ impl LearnOptions {
         fit: Option<&InputFile>,
     ) -> Result<(Plants, Specification), Failure> {
         Plants::of(link, (&self.uncertain, fit), self.hold())
-    }
-
-    /// The options of the motion: those of reading are for the recording, and these for its file.
-    pub fn motion<'a>(&'a self, read: &'a ReadArgs) -> MotionArgs<'a> {
-        (read, &self.resample, &self.scale)
     }
 
     /// The next table after a trial on the link of a solution.
@@ -323,12 +313,16 @@ impl LearnOptions {
     /// The applied table in a file.
     pub fn table(&self, file: &InputFile, arm: &Arm) -> Result<(Table, Reading), Failure> {
         let InputFile { shown, bytes, .. } = file;
-        let (joints, format) = (Joints::from(arm), TableFormat::default());
+        let (joints, name) = (Joints::from(arm), TableName::Applied);
+        let format = self.motion.read.other(name);
+        let of_table = |error: TableError| name.refused(error.into());
         let (table, reading, column) = if self.hold() == Hold::Position {
-            let (found, reading) = read_joint_references(shown, bytes, joints, &format)?;
+            let (found, reading) =
+                read_joint_references(shown, bytes, joints, &format).map_err(of_table)?;
             (Table::of_positions(&found), reading, "carriage")
         } else {
-            let (found, reading) = read_joint_torques(shown, bytes, joints, &format)?;
+            let (found, reading) =
+                read_joint_torques(shown, bytes, joints, &format).map_err(of_table)?;
             (Table::of_efforts(&found), reading, "force")
         };
         if table.joints.len() < arm.joints().count() {
@@ -345,8 +339,10 @@ impl LearnOptions {
         file: &InputFile,
         arm: &Arm,
     ) -> Result<(ChannelRecording, Reading), Failure> {
-        let (joints, format) = (Joints::from(arm), self.read.format());
-        Ok(read_recording_as(&file.shown, &file.bytes, joints, &format)?)
+        let (joints, name) = (Joints::from(arm), TableName::Measured);
+        let read =
+            read_recording_as(&file.shown, &file.bytes, joints, &self.motion.read.other(name));
+        read.map_err(|error| name.refused(error.into()))
     }
 
     /// Refuses an effort that the drive cannot have played.
@@ -498,10 +494,10 @@ impl LearnOptions {
         [
             self.changes.arguments(),
             own.chain(shift.into_iter().flatten()).collect(),
-            self.resample.arguments(),
-            self.scale.arguments(),
+            self.motion.resample.arguments(),
+            self.motion.scale.arguments(),
             digits_arguments(self.digits),
-            self.read.arguments(),
+            self.motion.read.arguments(),
         ]
         .concat()
     }

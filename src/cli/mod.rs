@@ -1,7 +1,7 @@
 //! The command line: arguments in, exit code out. `run` of each command reads as load, compute, write, tell.
 #![allow(clippy::doc_markdown, reason = "docs of commands and arguments are help on a terminal")]
 
-mod compare;
+pub mod compare;
 pub mod fit;
 pub mod frf;
 mod help;
@@ -14,6 +14,7 @@ pub mod robust;
 mod setup;
 pub mod simulate;
 pub mod solve;
+mod state_space;
 pub mod sweep;
 pub mod terminal;
 pub mod trajectory;

@@ -9,16 +9,20 @@ use crate::beam::{Mesh, MeshPlan};
 use crate::csv::Digits;
 use crate::link::{Arm, Link};
 use crate::modal::{
-    DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, mode, natural_frequencies, pose_modes,
-    pose_zeros, real_frequency_zeros, torque_zeros,
+    DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Shape, Thickness, mode, natural_frequencies,
+    pose_modes, pose_zeros, real_frequency_zeros, torque_zeros,
 };
-use crate::response::{ArmModes, ArmShapes, PoseMode, SettledModes, arm_modes, damping_ratios};
+use crate::response::{
+    ArmModes, ArmShapes, PoseMode, SettledModes, StateSpace, StateSpaceScope, arm_modes,
+    damping_ratios,
+};
 use crate::result::NO_DIRECTION;
 use crate::result::{LinkZeros, ModesResult, Notice, Remark, Setting, mesh_errors};
 use crate::spec::Specification;
 use crate::store::modes_json;
 
-use crate::cli::options::common::{SyncArgs, angle_rad, directions};
+use super::state_space::{StateSpaceArgs, described, state_space};
+use crate::cli::options::common::{NodeArgs, SyncArgs, angle_rad, directions};
 use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::check_folder;
 use crate::cli::terminal::text::modes_text;
@@ -28,7 +32,8 @@ const EXAMPLE: &str = "\
 Example:
   flexlink modes link.toml --count 5 -o out
   flexlink modes hanging.toml --at '-90 deg' -o out
-  flexlink modes arm.toml --at '30 deg,75 deg' -o out";
+  flexlink modes arm.toml --at '30 deg,75 deg' -o out
+  flexlink modes link.toml --count 3 --state-space link.json";
 
 /// Error of an automatic mesh in the modes of a pose. Dense algebra computes them, and its round-off grows with the
 /// fourth power of the number of elements.
@@ -93,6 +98,9 @@ pub(crate) struct Modes {
     json: bool,
 
     #[command(flatten)]
+    state_space: StateSpaceArgs,
+
+    #[command(flatten)]
     warnings: WarningArgs,
 
     #[command(flatten)]
@@ -102,7 +110,9 @@ pub(crate) struct Modes {
 impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
-        let (_, specification) = self.link.load()?;
+        self.state_space.check(&self.link.link)?;
+        let (_, mut specification) = self.link.load()?;
+        self.state_space.mesh(&mut specification)?;
         let arm = &specification.arm;
         let bar = StageBar::new();
         bar.at("finding modes and zeros");
@@ -111,10 +121,15 @@ impl Modes {
             (None, 1) => Wanted::Modes,
             (None, _) => Wanted::Zeros,
         };
-        let found = computed(&specification, self.at.as_deref(), usize::from(self.count), wanted)?;
+        let count = usize::from(self.count);
+        let found = computed(&specification, self.at.as_deref(), count, wanted)?;
+        let space = self.state_space.compute(&specification, &found, count)?;
         drop(bar);
         if let Some(folder) = &self.output {
             found.write(self.sync.stage(folder)?, self.digits)?;
+        }
+        if let Some(space) = &space {
+            self.state_space.write(&specification.arm, &found, space)?;
         }
         let warnings = tell(&specification, &found);
         console::print(&if self.json { modes_json(&found) } else { modes_text(arm, &found) })?;
@@ -159,6 +174,24 @@ pub fn computed(
     }
 }
 
+/// Modes of a link or an arm, its state space, and what this contains in words.
+///
+/// # Errors
+/// As of [`computed`]; a station beside the links.
+pub fn state_space_of(
+    specification: &Specification,
+    at: Option<&[f64]>,
+    scope: &StateSpaceScope,
+) -> Result<(ModesResult, StateSpace, String), Failure> {
+    let mut specification = specification.clone();
+    let stations = NodeArgs::at(scope.stations_m.clone());
+    stations.meshes(&specification.arm, &mut specification.meshes)?;
+    let found = computed(&specification, at, scope.modes, Wanted::Modes)?;
+    let space = state_space(&specification, &found, scope)?;
+    let description = described(&specification.arm, &space, scope);
+    Ok((found, space, description))
+}
+
 /// Modes of an arm about its shape at rest.
 fn at_rest(
     Specification { arm, meshes, .. }: &Specification,
@@ -178,7 +211,7 @@ fn at_rest(
     let shapes = if wanted == Wanted::Tables {
         let nodes_m: Vec<_> = links.iter().map(|mesh| mesh.nodes_m().to_vec()).collect();
         let nodes: usize = nodes_m.iter().map(Vec::len).sum();
-        check_shapes(2 * modes.free.modes.len() * nodes)?;
+        check_shapes(3 * (modes.free.modes.len() + modes.held.modes.len()) * nodes)?;
         Some(modes.shapes(nodes_m))
     } else {
         None
@@ -235,7 +268,7 @@ fn straight(
             })
         };
         let (modes, on_halves) = (on(&mesh)?, on(&finer)?);
-        let rates = |modes: &[(f64, Vec<f64>)]| -> Vec<f64> {
+        let rates = |modes: &[(f64, Shape)]| -> Vec<f64> {
             modes.iter().map(|(square, _)| square.abs().sqrt()).collect()
         };
         let errors = mesh_errors(&mesh, &rates(&modes), &rates(&on_halves));
@@ -244,12 +277,14 @@ fn straight(
             square_per_s2,
             damping_ratio: None,
             joints: vec![turn],
-            shape,
+            shape: Vec::new(),
+            of_link: Some(shape),
         };
         Ok::<_, Failure>(SettledModes { modes: modes.into_iter().map(mode).collect(), errors })
     };
     let spring_n_m_rad = link.joint_stiffness_n_m_rad();
     let mut free = settled(PoseHub::Free, count + 1)?;
+    let held = settled(PoseHub::Spring(spring_n_m_rad), count)?;
     let slides = link.joint().slides();
     if slides {
         // Weight does not drive the motion of the whole link.
@@ -283,23 +318,39 @@ fn straight(
         zeros.extend(exact.iter().map(|(mesh, _)| zeros_on(mesh, count, highest_rad_s)));
     }
     if wanted == Wanted::Tables {
-        check_shapes(2 * free.modes.len() * mesh.nodes_m().len())?;
-        let nodes_m = mesh.nodes_m().to_vec();
-        let across = |shape: &Vec<f64>| vec![shape.iter().map(|v| [-sin * v, cos * v]).collect()];
-        shapes = Some(ArmShapes {
-            rest_m: vec![nodes_m.iter().map(|x| [cos * x, sin * x]).collect()],
-            free: free.modes.iter().map(|mode| across(&mode.shape)).collect(),
-            nodes_m: vec![nodes_m],
-        });
+        shapes = Some(straight_shapes(&mesh, [cos, sin], [&free, &held])?);
     }
     Ok(ModesResult {
         setting: Setting::Straight { is_kept: slides, angle_rad, outward_m_s2 },
-        held: settled(PoseHub::Spring(spring_n_m_rad), count)?,
+        held,
         free,
         joint_stiffnesses_n_m_rad: vec![spring_n_m_rad],
         zeros,
         meshes: vec![mesh],
         shapes,
+    })
+}
+
+/// Shapes in the plane of a straight link with this cosine and sine of its direction, with a free and a held hub.
+fn straight_shapes(
+    mesh: &Mesh,
+    [cos, sin]: [f64; 2],
+    [free, held]: [&SettledModes; 2],
+) -> Result<ArmShapes, Failure> {
+    let nodes_m = mesh.nodes_m().to_vec();
+    check_shapes(3 * (free.modes.len() + held.modes.len()) * nodes_m.len())?;
+    let across = |shape: &Shape| {
+        let nodes = (0..nodes_m.len()).map(|node| shape.total(mesh, node));
+        vec![nodes.map(|own| [-sin * own[0], cos * own[0], own[1]]).collect()]
+    };
+    let moved = |own: &SettledModes| {
+        own.modes.iter().filter_map(|mode| Some(across(mode.of_link.as_ref()?))).collect()
+    };
+    Ok(ArmShapes {
+        rest_m: vec![nodes_m.iter().map(|x| [cos * x, sin * x]).collect()],
+        free: moved(free),
+        held: moved(held),
+        nodes_m: vec![nodes_m.clone()],
     })
 }
 
@@ -310,27 +361,27 @@ pub(super) fn level(
 ) -> Result<ModesResult, Failure> {
     let (mesh, omega_rad_s) = resolved(link, plan, count)?;
     let law = DampingLaw::of(link, &mesh)?;
-    check_shapes(omega_rad_s.len() * mesh.nodes_m().len())?;
+    check_shapes(6 * omega_rad_s.len() * mesh.nodes_m().len())?;
     let finer = mesh.refined();
     let highest_rad_s = omega_rad_s.last().copied().unwrap_or_default();
-    let settled = |hub: PoseHub, omega_rad_s: &[f64], shape: &dyn Fn(f64) -> Vec<f64>| {
+    let settled = |hub: PoseHub, omega_rad_s: &[f64]| {
         let ratios = damping_ratios((link, &mesh, &law), hub, omega_rad_s);
         let modes = omega_rad_s.iter().zip(ratios).map(|(omega, ratio)| PoseMode {
             square_per_s2: omega * omega,
             damping_ratio: Some(ratio).filter(|ratio| !ratio.is_nan()),
             joints: Vec::new(),
-            shape: shape(*omega),
+            shape: Vec::new(),
+            of_link: Some(mode(&mesh, *omega).shape),
         });
         let errors = mesh_errors(&mesh, omega_rad_s, &hub.frequencies(&finer, count));
         SettledModes { modes: modes.collect(), errors }
     };
     let spring_n_m_rad = link.joint_stiffness_n_m_rad();
     let held = PoseHub::Spring(spring_n_m_rad);
-    let shape = |omega: f64| mode(&mesh, omega).shape.displacements(&mesh);
     Ok(ModesResult {
         setting: Setting::Weightless,
-        free: settled(PoseHub::Free, &omega_rad_s, &shape),
-        held: settled(held, &held.frequencies(&mesh, count), &|_| Vec::new()),
+        free: settled(PoseHub::Free, &omega_rad_s),
+        held: settled(held, &held.frequencies(&mesh, count)),
         joint_stiffnesses_n_m_rad: vec![spring_n_m_rad],
         zeros: vec![zeros_on(&mesh, count, highest_rad_s)],
         meshes: vec![mesh],

@@ -9,13 +9,14 @@ use crate::csv::{Digits, InputFile};
 use crate::inverse::{Analysis, InversionError, Resources, Solution, Unwatched, invert_motion};
 use crate::modal::REPORTED_MODES;
 use crate::motion::Ends;
-use crate::result::{Exceeded, Limits, Metrics, Notice, Remark, TorqueTable};
+use crate::result::{Exceeded, Limits, Metrics, Notice, Remark};
 use crate::spec::Specification;
 use crate::store::{Findings, OutputFolder, PlayedRun, RunInputs, RunOutputs, RunTables, Summary};
 use crate::text::gigabytes;
 use crate::verify::{Answer, Verification, VerificationError, verify};
 
-use crate::cli::options::inputs::{MotionArgs, Wanted, tell};
+use crate::cli::options::inputs::{MotionArgs, Wanted};
+use crate::cli::options::reading::tell;
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
 /// Most memory in bytes of an inversion whose times are probably in another unit.
@@ -34,11 +35,11 @@ impl Problem {
     pub(crate) fn read(
         (file, specification): (&InputFile, Specification),
         motion_file: &InputFile,
-        (read, resample, scale): MotionArgs<'_>,
+        motion: &MotionArgs,
     ) -> Result<Self, Failure> {
-        let (wanted, reading) = resample.motion_of(motion_file, &specification.arm, read)?;
+        let (wanted, reading) = motion.motion_of(motion_file, &specification.arm)?;
         tell(&motion_file.shown, &reading);
-        Ok(Self::of(file, specification, scale.scaled(&wanted)?))
+        Ok(Self::of(file, specification, motion.scale.scaled(&wanted)?))
     }
 
     /// A link or an arm of a file, and its motion.
@@ -47,12 +48,12 @@ impl Problem {
     }
 
     /// Ends of the motion, and its step in s.
-    pub(crate) fn ends_and_step_s(&self) -> (Ends, f64) {
+    pub fn ends_and_step_s(&self) -> (Ends, f64) {
         (self.wanted.motion.ends(), self.wanted.motion.grid().step_s)
     }
 
     /// The plans of the links' meshes.
-    pub(crate) fn plans(&self) -> &[MeshPlan] {
+    pub fn plans(&self) -> &[MeshPlan] {
         &self.specification.meshes
     }
 
@@ -215,7 +216,7 @@ impl Solved {
     }
 
     /// Checks the solution; the torques have this many digits in their file.
-    pub(crate) fn verified(
+    pub fn verified(
         &self,
         plans: &[MeshPlan],
         digits: Digits,
@@ -223,8 +224,8 @@ impl Solved {
     ) -> Result<Verification, VerificationError> {
         stages.at("verifying");
         let Self { solution, limits, .. } = self;
-        let torques = TorqueTable::of(solution);
-        let written = torques.whole_n_m().iter().map(|torque_n_m| digits.as_written(torque_n_m));
+        let joints = solution.joints.iter();
+        let written = joints.map(|joint| digits.as_written(&joint.torque_n_m));
         let written_torques_n_m = &written.collect::<Vec<_>>();
         // Less memory is free than before the inversion, because the solution stays.
         let memory_bytes = memory::available();

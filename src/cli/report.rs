@@ -18,10 +18,11 @@ Example:
   flexlink report out
   flexlink report sweep.csv -o sweep.html
   flexlink report out --png figures
-  flexlink report solved simulated    # runs of an arm
+  flexlink report solved open closed -o loops.html
 
-RESULT is a folder of `solve`, `simulate` or `robust`, or the table of `sweep`. BESIDE are folders of other runs \
-of the same arm of several links, which the page of the first shows beside it.";
+RESULT is a folder of `solve`, `simulate` or `robust`, or the table of `sweep`. BESIDE are folders of other runs, of \
+links, carriages or arms with any link file and motion, or after a study of `robust` other studies. The page of the \
+first has their lines in its figures and their numbers in a table, and says what it cannot show together.";
 
 /// Write a result as a page with figures.
 ///
@@ -35,7 +36,7 @@ pub(crate) struct Report {
     #[arg(value_name = "RESULT")]
     result: PathBuf,
 
-    /// Folders of other runs of an arm, to show beside the first.
+    /// Folders of other runs, or of other studies, to show beside the first.
     #[arg(value_name = "BESIDE")]
     beside: Vec<PathBuf>,
 

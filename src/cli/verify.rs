@@ -10,8 +10,8 @@ use crate::store::verification_json;
 use crate::verify::Verification;
 
 use super::problem::Problem;
-use crate::cli::options::inputs::ReadArgs;
-use crate::cli::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs};
+use crate::cli::options::inputs::{LinkArgs, MOTION, MotionArgs};
+use crate::cli::options::reading::TableName;
 use crate::cli::terminal::files::read_once;
 use crate::cli::terminal::text::verify_text;
 use crate::cli::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, memory};
@@ -41,10 +41,7 @@ pub(crate) struct Verify {
     motion: PathBuf,
 
     #[command(flatten)]
-    resample: ResampleArgs,
-
-    #[command(flatten)]
-    scale: ScaleArgs,
+    how: MotionArgs,
 
     /// Digits of the torque that is played: the last one is 10^-N of its peak, or `full`.
     #[arg(long, value_name = "N", default_value = "10")]
@@ -58,9 +55,6 @@ pub(crate) struct Verify {
 
     #[command(flatten)]
     threads: ThreadArgs,
-
-    #[command(flatten)]
-    read: ReadArgs,
 }
 
 impl Verify {
@@ -69,8 +63,8 @@ impl Verify {
         read_once(&[&self.link.link, &self.motion])?;
         let (file, specification) = self.link.load()?;
         let motion = InputFile::read(&self.motion)?;
-        let how = (&self.read, &self.resample, &self.scale);
-        let problem = Problem::read((&file, specification), &motion, how)?;
+        self.how.read.check(&[TableName::Motion])?;
+        let problem = Problem::read((&file, specification), &motion, &self.how)?;
         let stages = self.print.stages();
         let solved = problem.solve(Analysis::clone, memory::available(), &stages)?;
         let verification = solved.verified(problem.plans(), self.digits, &stages)?;

@@ -2,11 +2,12 @@
 
 use std::fmt::Display;
 use std::path::Path;
+use std::str::FromStr;
 
 use thiserror::Error;
 
 use crate::csv::{
-    ColumnChoice, InputError, InputFile, Reading, TableError, TableFormat, read_decay,
+    InputError, InputFile, Reading, SampleRate, TableError, TableFormat, read_decay,
     read_frequency_response, read_record,
 };
 use crate::fit::{
@@ -15,7 +16,7 @@ use crate::fit::{
 };
 use crate::response::Interpolation;
 use crate::spec::{
-    DecayFile, MeasuredFile, RecordFile, ResponseFile, SpecError, read_measurements,
+    DecayFile, MeasuredFile, RecordFile, ResponseFile, SpecError, TableKeys, read_measurements,
 };
 
 /// Measurements, their files, and the manner of reading them.
@@ -166,8 +167,8 @@ fn decay_of(
     decay: DecayFile,
     of: &Specimen,
 ) -> Result<(Decay, Vec<Measured>, Reading), MeasuredError> {
-    let DecayFile { file, frequencies, values, uncertainty, sensor, span_s, skip, columns } = decay;
-    let format = TableFormat { skip, columns: choices(table, &columns)?, ..TableFormat::default() };
+    let DecayFile { file, frequencies, values, uncertainty, sensor, span_s, table: keys } = decay;
+    let format = format_of(table, &keys)?;
     let (mut samples, reading) = read_decay(&table.shown, &table.bytes, sensor, span_s, &format)?;
     samples.name = file;
     let within = frequencies.into_iter().map(|own| (own.clone(), of.around_hz(&own)));
@@ -177,12 +178,35 @@ fn decay_of(
     Ok((decay, taken, reading))
 }
 
-/// Columns that were chosen.
-fn choices(table: &InputFile, columns: &[String]) -> Result<Vec<ColumnChoice>, MeasuredError> {
-    let choice = |text: &String| {
-        text.parse().map_err(|error| MeasuredError::refused(table, &format!("columns: {error}")))
-    };
-    columns.iter().map(choice).collect()
+/// The form of a table by its keys.
+fn format_of(table: &InputFile, keys: &TableKeys) -> Result<TableFormat, MeasuredError> {
+    fn parsed<T: FromStr>(
+        table: &InputFile,
+        key: &str,
+        texts: impl IntoIterator<Item = impl AsRef<str>>,
+    ) -> Result<Vec<T>, MeasuredError>
+    where
+        T::Err: Display,
+    {
+        let one = |text: &str| {
+            text.parse().map_err(|error| MeasuredError::refused(table, &format!("{key}: {error}")))
+        };
+        texts.into_iter().map(|text| one(text.as_ref())).collect()
+    }
+    let rate = keys.sample_rate_hz.map(SampleRate::of_hertz);
+    let rate = rate.map(|rate| rate.ok_or("sample_rate must be above 0"));
+    Ok(TableFormat {
+        skip: keys.skip,
+        columns: parsed(table, "columns", &keys.columns)?,
+        scales: parsed(table, "scale", &keys.scale)?,
+        delimiter: parsed(table, "delimiter", &keys.delimiter)?.pop(),
+        decimal: parsed(table, "decimal", &keys.decimal)?.pop(),
+        time_unit: parsed(table, "time_unit", &keys.time_unit)?.pop(),
+        unit: parsed(table, "unit", &keys.unit)?.pop(),
+        sample_rate: rate.transpose().map_err(|error| MeasuredError::refused(table, &error))?,
+        resample_s: keys.resample_s,
+        ..TableFormat::default()
+    })
 }
 
 fn read_response(
@@ -190,8 +214,9 @@ fn read_response(
     of: ResponseFile,
     motor: Option<&Motor>,
 ) -> Result<(Response, Reading), MeasuredError> {
+    let format = format_of(table, &of.table)?;
     let ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty, .. } = of;
-    let read = read_frequency_response(&table.shown, &table.bytes)?;
+    let read = read_frequency_response(&table.shown, &table.bytes, &format)?;
     let values = read.values.into_iter().map(|value| value / distance_m).collect();
     let columns = (read.frequencies_hz, values);
     let response = Response::new(file, (transfer, gain), uncertainty, columns)
@@ -225,12 +250,7 @@ fn record_of(
 ) -> Result<(Record, Reading), MeasuredError> {
     let refused = |error: &dyn Display| MeasuredError::refused(table, &error);
     let sensors: Vec<_> = of.channels.iter().map(|channel| channel.sensor).collect();
-    let columns = choices(table, &of.columns)?;
-    let mut format = TableFormat { skip: of.skip, columns, ..TableFormat::default() };
-    for scale in &of.scale {
-        let scale = scale.parse().map_err(|error| refused(&format!("scale: {error}")))?;
-        format.scales.push(scale);
-    }
+    let mut format = format_of(table, &of.table)?;
     // Numbers with a free gain may have any unit.
     for channel in of.channels.iter().filter(|channel| channel.gain == Gain::Free) {
         let scale = format!("{}=1", channel.sensor.word());
@@ -303,6 +323,57 @@ mod tests {
         fs::write(&path, text.to_owned() + &text.replace("hold = 'linear'", "")).unwrap();
         let twice = read_measured(&path, &any_link()).unwrap_err().to_string();
         assert!(twice.ends_with("measured.toml: hub_angle of log.csv is given twice"), "{twice}");
+    }
+
+    #[test]
+    fn keys_of_a_table_are_the_options_of_the_reader() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("measured.toml");
+        let read = |table: &str, keys: &str| {
+            fs::write(folder.path().join("table.csv"), table).unwrap();
+            fs::write(&path, keys).unwrap();
+            read_measured(&path, &any_link())
+        };
+        let response = "[[response]]\nfile = 'table.csv'\ntransfer = 'hub_angle'\n";
+        let rows = "1,2,3\n2,0.5,1\n3,1,0.25\n";
+        let plain = read(&format!("frequency,real,imaginary\n{rows}"), response).unwrap();
+        let keys = "skip = 1\ncolumns = ['frequency=1', 'real=2', 'imaginary=3']\ndecimal = 'comma'\n\
+                    delimiter = ';'\nscale = ['real=0.5']\n";
+        let other = format!("any\n{}", "1;4;3\n2;1;1\n3;2;0,25\n");
+        let found = read(&other, &format!("{response}{keys}")).unwrap();
+        assert_eq!(found.measurements.responses(), plain.measurements.responses());
+        let refused = read("a;b\n1;2\n", response).unwrap_err();
+        assert!(refused.hint().unwrap().starts_with("columns = ["), "{refused}");
+
+        let row = |k: u32| match k {
+            7 => "7;;7\n".to_owned(),
+            _ => format!("{k};{};{k}\n", k * k).repeat(if k == 9 { 2 } else { 1 }),
+        };
+        let table = "ms;hub_angle;torque\n".replace("ms", "time [ms]")
+            + &(0..30).map(row).collect::<String>();
+        let record = "[[record]]\nfile = 'table.csv'\ninput = 'torque'\nresample = '0.5 ms'\n\
+                      [[record.channel]]\nsensor = 'hub_angle'\n";
+        let found = read(&table, record).unwrap();
+        let samples = &found.measurements.records()[0].channels()[0].samples;
+        assert_eq!(samples.len(), 59);
+        for (k, sample) in (0..).zip(samples) {
+            assert!((sample - 0.25 * f64::from(k * k)).abs() < 1e-9, "{k}: {sample}");
+        }
+        let note = found.readings[0].1.note().unwrap();
+        assert!(
+            note.ends_with(
+                "without line 12, which repeats a time, without line 9, which lacks a value"
+            ),
+            "{note}"
+        );
+        let error = read(&table, &record.replace("resample = '0.5 ms'\n", "")).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .ends_with("table.csv:9: hub_angle = an empty field, but must be a finite number"),
+            "{error}"
+        );
+        assert!(error.hint().unwrap().contains("resample = "), "{error}");
     }
 
     /// A loop with zeros of ratio 0.01 at 4 and 9 Hz between well damped poles, which are the second and the

@@ -6,6 +6,25 @@ use std::path::Path;
 /// Upper limit of a number's decimals; the formatter of the standard library takes a few more.
 const MOST_DECIMALS: usize = 1100;
 
+/// A time before an event in words, with `digits` significant digits: a negative one lies after it.
+///
+/// ```
+/// use flexlink::text::{after, before};
+/// assert_eq!(before(0.3051, 3) + " the motion", "0.305 s before the motion");
+/// assert_eq!(before(-0.024, 2) + " the motion begins", "0.024 s after the motion begins");
+/// assert_eq!(after(-0.5, 1) + " it ends", "0.5 s before it ends");
+/// ```
+pub fn before(ahead_s: f64, digits: usize) -> String {
+    let side = if ahead_s < 0.0 { "after" } else { "before" };
+    format!("{} s {side}", significant(ahead_s.abs(), digits))
+}
+
+/// A time after an event in words, as [`before`]: a negative one lies before it.
+pub fn after(later_s: f64, digits: usize) -> String {
+    let side = if later_s < 0.0 { "before" } else { "after" };
+    format!("{} s {side}", significant(later_s.abs(), digits))
+}
+
 /// A number with `digits` significant digits, for people; scientific below 0.001 and from a million
 /// on.
 ///

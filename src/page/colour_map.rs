@@ -28,17 +28,40 @@ pub(super) struct Fields {
     pub(super) places: [Vec<f64>; 2],
     /// Rows of numbers, the lowest row first.
     pub(super) values: Vec<Vec<f64>>,
+    /// Hatched fields.
+    pub(super) hatch: Option<Hatch>,
+}
+
+/// Hatched fields of a map.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Hatch {
+    /// Name in the legend.
+    pub(super) name: String,
+    /// For each field whether it is hatched, the lowest row first.
+    pub(super) fields: Vec<Vec<bool>>,
 }
 
 /// Kind of colours for numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Colours {
     /// Blue below zero, red above, transparent at zero. Their strength follows the square root of the number, so that
     /// small ones stay visible.
     Diverging,
     /// Dark blue for the smallest number to yellow for the largest.
     Sequential,
+    /// A pale colour for each of these kinds; the numbers of the rows are the numbers of the kinds.
+    Kinds(Vec<String>),
 }
+
+/// Pale colours of kinds, as in the style sheets.
+const PALE: [[u8; 3]; 6] = [
+    [166, 206, 227],
+    [248, 197, 158],
+    [158, 214, 194],
+    [219, 186, 209],
+    [232, 216, 150],
+    [205, 205, 205],
+];
 
 /// Number of colours of a map, numbered from 1; 0 is transparent.
 const COLOURS: u8 = 255;
@@ -99,6 +122,7 @@ impl ColourMap {
             return 0;
         }
         let share = match self.colours {
+            Colours::Kinds(_) => return 1 + value.clamp(0.0, (PALE.len() - 1) as f64) as u8,
             _ if high <= low => 0.5,
             Colours::Diverging => 0.5 * (1.0 + value.signum() * (value.abs() / high).sqrt()),
             Colours::Sequential => (value - low) / (high - low),
@@ -120,6 +144,7 @@ impl ColourMap {
                 let colour = colorous::CIVIDIS.eval_continuous(share);
                 ([colour.r, colour.g, colour.b], 255)
             }
+            Colours::Kinds(_) => (PALE[usize::from(place) % PALE.len()], 255),
         }
     }
 
@@ -140,11 +165,20 @@ impl ColourMap {
         match self.colours {
             Colours::Diverging => vec![(low, 0.0), (0.0, 0.5), (high, 1.0)],
             Colours::Sequential => vec![(low, 0.0), (0.5 * (low + high), 0.5), (high, 1.0)],
+            Colours::Kinds(_) => vec![],
         }
+    }
+
+    /// Names of the kinds; empty for numbers.
+    pub(super) fn kinds(&self) -> &[String] {
+        if let Colours::Kinds(names) = &self.colours { names } else { &[] }
     }
 
     /// True if a value's colour is dark, so that letters on it must be light.
     pub(super) fn is_dark(&self, value: f64) -> bool {
+        if matches!(self.colours, Colours::Kinds(_)) {
+            return false;
+        }
         let ([r, g, b], _) = self.shade(self.colour(value, self.limits()));
         2 * u32::from(r) + 5 * u32::from(g) + u32::from(b) < 8 * 118
     }

@@ -5,6 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest as _, Sha256};
 
+use super::beside::beside;
 use super::figure::{self, Figure, Figures};
 use super::link::{given, link_drawing, link_readings};
 use super::motion::Motion;
@@ -240,6 +241,7 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
         named("remarks", "Remarks", advice(&told(view, |arm| &arm.remarks), false)),
         named("link", "Link", view.link.map(|run| drawing(run.link))),
         Some(Section::glossary(&GLOSSARY)),
+        beside(view).map(|content| Section::new("beside", "Side by side", content)),
         Some(Section::new("results", "Results", tables)),
         named("errors", "Errors", errors),
         named("checks", "Verification", checks(&first.checks)),
@@ -254,7 +256,18 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
         }
     };
     let data = motion.map(|motion| motion.json(view));
-    document(title.unwrap_or(untitled), &origin, &sections, FILES, data.as_deref())
+    let title = with_others(title.unwrap_or(untitled), view.runs[1..].iter().map(|run| &run.name));
+    document(&title, &origin, &sections, FILES, data.as_deref())
+}
+
+/// The title of a page, with the names of the results beside the first.
+pub(super) fn with_others<'a>(title: &str, others: impl Iterator<Item = &'a String>) -> String {
+    let names: Vec<&str> = others.map(String::as_str).collect();
+    if names.is_empty() {
+        title.to_owned()
+    } else {
+        format!("{title}, beside {}", names.join(", "))
+    }
 }
 
 /// Warnings or remarks of all runs, each with its hint; for several runs with the name of the run.
@@ -303,12 +316,7 @@ fn tables(view: &View, errors: Option<&Markup>) -> Markup {
         readings(&format!("Link{number}"), &rows)
     };
     html! {
-        @if is_arm {
-            div class="columns" { @for arm in view.runs.iter() { div {
-                @if view.runs.len() > 1 { h3 { (arm.name) } }
-                (joints(arm))
-            } } }
-        }
+        @if is_arm { (joints(first)) }
         div class="columns" {
             @if !first.readings.is_empty() {
                 (readings(view.pick("Results", "Whole arm"), &results(&first.readings)))

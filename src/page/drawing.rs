@@ -7,7 +7,7 @@ use std::slice;
 use maud::{Markup, html};
 
 use super::axis::{Axis, TIME, digits, in_unit};
-use super::colour_map::{ColourMap, Fields};
+use super::colour_map::{ColourMap, Fields, Hatch};
 use super::figure::{Curve, Figure, Mark, Stroke, thinned};
 
 /// Approximate width of a letter.
@@ -119,18 +119,26 @@ impl Figure {
     /// Numbers in the fields of a map, if they have room.
     fn field_numbers(&self, band: Band) -> Markup {
         let found = self.map.as_ref().and_then(|map| Some((map, map.fields.as_ref()?)));
-        let Some((map, Fields { places: [x, y], values })) = found else { return html! {} };
+        let Some((map, Fields { places: [x, y], values, hatch })) = found else {
+            return html! {};
+        };
+        let is_hatched =
+            |row: usize, k: usize| hatch.as_ref().is_some_and(|own| own.fields[row][k]);
+        let class = |value: f64, is_hatched: bool| {
+            let on = if map.is_dark(value) { "on-dark" } else { "on-light" };
+            if is_hatched { format!("{on} on-hatch") } else { on.to_owned() }
+        };
         let (width, borders) = (self.plot().0, borders(&self.x, x));
         let is_low = band.height / (y.len() as f64) < FIELD_HEIGHT;
         let most = if is_low { 0 } else { y.len() };
         html! {
             g class="fields" {
-                @for (at_y, row) in y.iter().zip(values).take(most) {
+                @for (j, (at_y, row)) in y.iter().zip(values).take(most).enumerate() {
                     @for (k, value) in row.iter().enumerate().filter(|(_, value)| value.is_finite()) {
                         @let label = digits(*value, 3);
                         @let (from, to) = (borders[k], borders[k + 1]);
                         @if LETTER * label.chars().count() as f64 + 2.0 < width * (to - from) {
-                            text class=(if map.is_dark(*value) { "on-dark" } else { "on-light" })
+                            text class=(class(*value, is_hatched(j, k)))
                                 data-from=(number(width * from)) data-to=(number(width * to))
                                 x=(number(LEFT + width * self.x.share(x[k])))
                                 y=(number(TOP + band.y(self.y.share(*at_y)) + 4.0))
@@ -153,6 +161,7 @@ impl Figure {
             @if let Some(map) = &self.map {
                 image x="0" y=(band.top) width=(width) height=(band.height)
                     preserveAspectRatio="none" href=(map.picture()) {}
+                (self.hatching(map, band))
             }
             @if let Some(curve) = &self.backdrop {
                 path class="fill" data-name=(curve.name) d=(self.area(curve)) {}
@@ -163,6 +172,50 @@ impl Figure {
                 }
             }
             @for curve in &thinned(&self.curves) { (self.line(curve, &self.y, band, false)) }
+        }
+    }
+
+    /// Diagonal lines over the hatched fields of a map, and the edge of the hatched region.
+    fn hatching(&self, map: &ColourMap, band: Band) -> Markup {
+        let fields = map.fields.as_ref();
+        let Some((places, hatch)) = fields.and_then(|own| Some((&own.places, own.hatch.as_ref()?)))
+        else {
+            return html! {};
+        };
+        let width = self.plot().0;
+        let x: Vec<f64> = borders(&self.x, &places[0]).iter().map(|share| width * share).collect();
+        let y: Vec<f64> = borders(&self.y, &places[1]).iter().map(|share| band.y(*share)).collect();
+        let is_hatched = |row: Option<usize>, column: Option<usize>| {
+            let field =
+                row.zip(column).and_then(|(row, column)| hatch.fields.get(row)?.get(column));
+            field.copied()
+        };
+        let (mut lines, mut edges) = (Vec::new(), String::new());
+        for row in 0..places[1].len() {
+            for column in 0..places[0].len() {
+                let own = is_hatched(Some(row), Some(column));
+                let (left, right, foot, top) = (x[column], x[column + 1], y[row], y[row + 1]);
+                if own == Some(true) {
+                    lines.push((column, row, diagonals([left, right], [top, foot])));
+                }
+                // An edge stands between two fields of which one is hatched.
+                let differs = |other: Option<bool>| other.is_some() && other != own;
+                if differs(is_hatched(Some(row), column.checked_add(1))) {
+                    let _ = write!(edges, "M{},{}V{}", number(right), number(foot), number(top));
+                }
+                if differs(is_hatched(row.checked_add(1), Some(column))) {
+                    let _ = write!(edges, "M{},{}H{}", number(left), number(top), number(right));
+                }
+            }
+        }
+        html! {
+            g class="hatch" {
+                @for (column, row, d) in &lines {
+                    path class="halo" d=(d) {}
+                    path class="stripes" data-column=(column) data-row=(row) d=(d) {}
+                }
+                @if !edges.is_empty() { path class="halo edge" d=(edges) {} path class="edge" d=(edges) {} }
+            }
         }
     }
 
@@ -287,7 +340,10 @@ impl Figure {
                     }
                     text class="legend-text" x=(x + 32.0) y="21" { (name) }
                 }
-                @if let Some(map) = &self.map { (colour_scale(map)) }
+                @if let Some(map) = &self.map {
+                    @if map.kinds().is_empty() { (colour_scale(map)) }
+                    (map_legend(map))
+                }
             }
         }
     }
@@ -327,6 +383,27 @@ fn colour_scale(map: &ColourMap) -> Markup {
     }
 }
 
+/// Names of a map's kinds and of its hatching, in a row at the left.
+fn map_legend(map: &ColourMap) -> Markup {
+    let hatch = map.fields.as_ref().and_then(|own| own.hatch.as_ref());
+    let kind = |(k, name): (usize, &String)| (name.clone(), format!("named fill k{}", k + 1));
+    let kinds = map.kinds().iter().enumerate().map(kind);
+    let hatched = hatch.map(|Hatch { name, .. }| (name.clone(), "named hatched".to_owned()));
+    let mut at = LEFT;
+    let placed = kinds.chain(hatched).map(|(name, class)| {
+        let x = at;
+        at += 34.0 + LETTER * name.chars().count() as f64 + 14.0;
+        let stripes = if class.ends_with("hatched") { "m4,15l15,-15m-7,15l14,-14" } else { "" };
+        (x, name, class, format!("M{x},9h26v15h-26z{stripes}"))
+    });
+    html! {
+        @for (x, name, class, d) in placed {
+            path class=(class) d=(d) {}
+            text class="legend-text named" x=(x + 32.0) y="21" { (name) }
+        }
+    }
+}
+
 /// First and last number of an axis.
 fn range(axis: &Axis) -> String {
     format!("{} {}", axis.range.start, axis.range.end)
@@ -359,6 +436,29 @@ fn path(points: &[(f64, f64)]) -> String {
         // Writing to a string cannot fail.
         let _ = write!(text, "{pen}{},{}", rounded(*x, 4), rounded(y, 4));
         pen = 'L';
+    }
+    text
+}
+
+/// Distance of hatching lines along x, in pixels.
+const HATCH: f64 = 11.0;
+
+/// Lines at 45 degrees within a box; lines of neighbouring boxes continue each other.
+fn diagonals([left, right]: [f64; 2], [top, foot]: [f64; 2]) -> String {
+    let mut text = String::new();
+    let mut sum = HATCH * ((left + top) / HATCH).ceil();
+    while sum < right + foot {
+        let (from, to) = (left.max(sum - foot), right.min(sum - top));
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            "M{},{}L{},{}",
+            number(from),
+            number(sum - from),
+            number(to),
+            number(sum - to)
+        );
+        sum += HATCH;
     }
     text
 }

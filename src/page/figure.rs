@@ -103,7 +103,7 @@ impl Curve {
         colour: usize,
     ) -> String {
         let Some(limit) = limit else { return String::new() };
-        let name = format!("{owner} limit {} {unit}", given(limit)).trim_start().to_owned();
+        let name = format!("{owner} limit {} {unit}", given(limit)).trim().to_owned();
         let Some(line) = Self::limit((limit, &name), from, colour, curves) else {
             return format!(" The {name} is beyond the figure.");
         };
@@ -285,7 +285,7 @@ impl Figure {
             let name = in_unit(&format!("{} at {}", map.name, place.trim_end()), &map.unit);
             Curve { name, stroke: Stroke::Solid(1), points }
         };
-        if let Some(Fields { places: [x, y], values }) = &map.fields {
+        if let Some(Fields { places: [x, y], values, .. }) = &map.fields {
             let points = |row: &Vec<f64>| x.iter().copied().zip(row.iter().copied()).collect();
             return y.iter().zip(values).map(|(y, row)| line(*y, points(row))).collect();
         }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::axis::Axis;
 use super::figure::{Curve, Figure, Mark, Stroke};
-use super::view::Single;
+use super::view::{Single, View, run_stroke};
 use super::words::formula;
 use crate::beam::Mesh;
 use crate::modal::{Shape, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
@@ -68,7 +68,7 @@ impl MotionSpectrum {
 }
 
 /// `|T/a_tip|` with natural frequencies and zeros, in front of the motion's spectrum.
-pub(super) fn transfer(run: Single) -> Result<Figure, String> {
+pub(super) fn transfer(view: &View, run: Single) -> Result<Figure, String> {
     let kept = run.arc.kept_modes.map_or(KeptModes::All, KeptModes::First);
     let model = model_of(run.link, run.arc.mesh.clone(), kept)
         .map_err(|error| format!("torque per tip acceleration, since {error}"))?;
@@ -85,19 +85,42 @@ pub(super) fn transfer(run: Single) -> Result<Figure, String> {
         |f: &f64| libm::hypot(run.link.rigid_inertia_kg_m2(), friction / (TAU * f)) / rigid_tip;
     let sizes: Vec<f64> = hertz.iter().map(flexible).collect();
     let rigid: Vec<f64> = hertz.iter().map(rigid).collect();
-    let finite = || sizes.iter().chain(&rigid).copied().filter(|s| s.is_finite() && *s > 0.0);
+    // Runs of the same link have one curve.
+    let others = view.named("").enumerate().skip(1).filter_map(|(k, (other, name))| {
+        let own = Single::of(other)?;
+        let is_alike = own.link.joint().slides() == run.link.joint().slides();
+        if !is_alike || own.link == run.link {
+            return None;
+        }
+        let kept = own.arc.kept_modes.map_or(KeptModes::All, KeptModes::First);
+        let model = model_of(own.link, own.arc.mesh.clone(), kept).ok()?;
+        let at = |f: &f64| {
+            magnitude(FrequencyResponse::at(&*model, *f).torque_per_tip_acceleration_kg_m)
+        };
+        let sizes: Vec<f64> = hertz.iter().map(at).collect();
+        Some(Curve::new(&name, run_stroke(k), &hertz, &sizes))
+    });
+    let others: Vec<Curve> = others.collect();
+    let of_others = || others.iter().flat_map(|own| own.points.iter().map(|(_, size)| size));
+    let all = || sizes.iter().chain(&rigid).chain(of_others()).copied();
+    let finite = || all().filter(|s| s.is_finite() && *s > 0.0);
     let range = 0.7 * finite().fold(f64::INFINITY, f64::min)..1.5 * finite().fold(0.0, f64::max);
     let unit = if run.link.joint().slides() { "kg" } else { "kg m" };
+    let name = if others.is_empty() { "flexible link" } else { &view.first().name };
     let y = Axis::logarithmic("|T / a|", unit, range);
     let x = Axis::logarithmic("frequency", "Hz", from_hz..to_hz);
     let marks = marks(&run.arc.mesh, from_hz..to_hz);
     let caption = caption(&marks, spectrum.is_some());
     Ok(Figure {
         backdrop: spectrum.map(|spectrum| spectrum.backdrop(&hertz)),
-        curves: vec![
-            Curve::new("flexible link", Stroke::Solid(1), &hertz, &sizes),
-            Curve::new("rigid link", Stroke::Dashed(2), &hertz, &rigid),
-        ],
+        curves: [
+            vec![
+                Curve::new(name, Stroke::Solid(1), &hertz, &sizes),
+                Curve::new("rigid link", Stroke::Dashed(2), &hertz, &rigid),
+            ],
+            others,
+        ]
+        .concat(),
         marks,
         ..Figure::new("transfer", "Torque per tip acceleration", caption, x, y)
     }
@@ -217,8 +240,9 @@ mod tests {
     #[test]
     fn the_curve_begins_at_the_rigid_link_and_falls_at_natural_frequencies() {
         let run = run();
-        let run = view(&run).link.unwrap();
-        let figure = transfer(run).unwrap();
+        let view = view(&run);
+        let run = view.link.unwrap();
+        let figure = transfer(&view, run).unwrap();
         let rigid = run.link.rigid_inertia_kg_m2() / run.link.rigid_tip();
         let points = &figure.curves[0].points;
         assert!((points[0].1 / rigid - 1.0).abs() < 0.02, "{} of {rigid}", points[0].1);
@@ -235,8 +259,9 @@ mod tests {
     fn the_curves_are_absolute_values_friction_included() {
         let mut run = run();
         run.links[0].link = crate::page::tests::link(2.0);
-        let run = view(&run).link.unwrap();
-        let figure = transfer(run).unwrap();
+        let view = view(&run);
+        let run = view.link.unwrap();
+        let figure = transfer(&view, run).unwrap();
         let model = model_of(run.link, run.arc.mesh.clone(), KeptModes::All).unwrap();
         let inertia = run.link.rigid_inertia_kg_m2() / run.link.rigid_tip();
         for k in (0..POINTS).step_by(37) {

@@ -7,13 +7,13 @@ use std::fmt::Write as _;
 use super::bending::{TRUSTED, bent_m, tip_deflection_m};
 use super::figure::{Curve, Figure, Stroke};
 use super::tip::{at_times, motion_formula};
-use super::view::{COLOURS, View, peak_words};
+use super::view::{COLOURS, Single, View, peak_words, run_stroke};
 use super::words::{cited, formula};
 use crate::elastica::SecondOrder;
 use crate::link::{Drive, Joint};
 use crate::numeric::largest;
-use crate::result::{JointQuantity, StoredJoint, StoredNodes};
-use crate::text::significant;
+use crate::result::{JointQuantity, StoredJoint, StoredRun};
+use crate::text::{after, before};
 
 /// A quantity of a joint of the flexible and of the rigid arm.
 type Both<'a> = (&'a Vec<f64>, Option<&'a Vec<f64>>);
@@ -21,11 +21,14 @@ type Both<'a> = (&'a Vec<f64>, Option<&'a Vec<f64>>);
 /// A quantity of a joint: of every run, and of the first rigid arm in the files.
 fn of_joint(view: &View, (joint, name): (usize, &str), of: fn(&StoredJoint) -> Both) -> Vec<Curve> {
     let mut curves =
-        view.of_runs(name, |arm| Some((&arm.times_s, Cow::from(of(&arm.joints[joint]).0))));
-    let known = view.runs.iter().find_map(|arm| Some((arm, of(&arm.joints[joint]).1?)));
-    if let Some((arm, rigid)) = known {
+        view.of_runs(name, |arm| Some((&arm.times_s, Cow::from(of(view.joint(arm, joint)?).0))));
+    let rigid = |arm| Some((arm, of(view.joint(arm, joint)?).1?));
+    let known: Vec<_> = view.runs.iter().filter_map(rigid).collect();
+    if let Some((arm, rigid)) = known.first() {
         let name = view.pick("rigid link", "rigid arm");
-        curves.push(view.curve(name, Stroke::Dashed(2), &arm.times_s, rigid));
+        let of_run = if known.len() > 1 { format!(", {}", arm.name) } else { String::new() };
+        let name = format!("{name}{of_run}");
+        curves.push(view.curve(&name, Stroke::Dashed(2), &arm.times_s, rigid));
     }
     curves
 }
@@ -41,8 +44,8 @@ pub(super) fn torque(view: &View, joint: usize) -> Figure {
         let paper = cited(view, [Some(5), Some(7)]);
         // Writing to a string cannot fail.
         let _ = write!(caption, " Were the {links} rigid, it would be {rigid} N m{paper}.");
-        let timing = timing_words(["lead_s", "lag_s"].map(|name| own.reading(name)));
-        caption.push_str(&view.pick(timing, String::new()));
+        let timing = ["lead_s", "lag_s"].map(|name| own.reading(name));
+        caption.push_str(&timing_words(timing, view.is_arm() || view.has_weight()));
     }
     let line = (joint, flexible(view, "torque"));
     let mut curves = of_joint(view, line, |j| (&j.torque_n_m, j.rigid_torque_n_m.as_ref()));
@@ -117,21 +120,26 @@ fn torque_formula(view: &View) -> Cow<'static, str> {
     }
 }
 
-/// Start and end of a link's torque relative to the motion.
-fn timing_words([lead_s, lag_s]: [Option<f64>; 2]) -> String {
+/// Start and end of a torque relative to the motion; `from_rest` is true for a torque that may hold a weight.
+fn timing_words([lead_s, lag_s]: [Option<f64>; 2], from_rest: bool) -> String {
     let Some((lead_s, lag_s)) = lead_s.zip(lag_s) else {
         return " This is one cycle, which the torque repeats.".to_owned();
     };
-    let [lead, lag] = [lead_s, lag_s].map(|seconds| significant(seconds.abs(), 4));
-    if lead_s > 0.0 && lag_s > 0.0 {
+    let (lead, lag) = (before(lead_s, 4), after(lag_s, 4));
+    if lead_s > 0.0 && lag_s > 0.0 && !from_rest {
         return format!(
-            " Bending waves take time: it acts, at the 2 % level, from {lead} s before the tip moves \
-             until {lag} s after it has stopped (shaded)."
+            " Bending waves take time: it acts, at the 2 % level, from {lead} the tip moves until {lag} it has stopped \
+             (shaded)."
         );
     }
-    let start = if lead_s >= 0.0 { "before the tip sets out" } else { "after the tip has set out" };
-    let stop = if lag_s >= 0.0 { "after it has stopped" } else { "before it has stopped" };
-    format!(" It acts, at the 2 % level, from {lead} s {start} until {lag} s {stop}.")
+    let start = if lead_s >= 0.0 { "the tip sets out" } else { "the tip has set out" };
+    let stop = if lag_s >= 0.0 { "it has stopped" } else { "it stops" };
+    let acts = if from_rest {
+        "differs from its value at rest by more than 2 % of its range"
+    } else {
+        "acts, at the 2 % level,"
+    };
+    format!(" It {acts} from {lead} {start} until {lag} {stop}.")
 }
 
 /// Angle of a joint, flexible and rigid; for the first joint relative to a fixed direction.
@@ -174,7 +182,7 @@ pub(super) fn bent_angles(view: &View) -> Result<Figure, String> {
     let curves = view.each(&view.numbered("joint"), |arm, joint| {
         let straight = rigid.joints[joint].rigid_angle_rad.as_deref()?;
         let straight = at_times(&arm.times_s, (&rigid.times_s, straight));
-        let pairs = arm.joints[joint].angle_rad.iter().zip(straight);
+        let pairs = view.joint(arm, joint)?.angle_rad.iter().zip(straight);
         Some((&arm.times_s, pairs.map(|(own, rigid)| 1e3 * (own - rigid)).collect()))
     });
     let weight = if view.has_weight() { " and sag" } else { "" };
@@ -267,6 +275,15 @@ pub(super) const LIMITED: [Limited; 7] = [
     },
 ];
 
+/// Formula of the quantity with this limit.
+pub(super) fn formula_of_limit(key: &str) -> Option<&'static str> {
+    let others =
+        [("deflection", formula::TIP_DEFLECTION), ("bending_moment", formula::ROOT_MOMENTS)];
+    let topics = LIMITED.iter().chain([&MOTOR_TORQUE]).map(|own| (own.quantity.1, own.formula));
+    let key = key.replace("rms_", "");
+    topics.chain(others).find(|(own, _)| *own == key).map(|(_, formula)| formula)
+}
+
 fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Cow<'static, [f64]> {
     torque_n_m.iter().zip(rate_rad_s).map(|(torque, rate)| torque * rate).collect()
 }
@@ -284,7 +301,8 @@ impl Limited {
         let of_link = if is_of_motor { "motor" } else { flexible(view, "hub") };
         let name = view.pick(of_link, "flexible arm");
         let caption = if is_of_motor { OF_MOTOR } else { AT_MOST };
-        let curves = view.of_runs(name, |arm| Some((&arm.times_s, (self.of)(&arm.joints[joint])?)));
+        let curves =
+            view.of_runs(name, |arm| Some((&arm.times_s, (self.of)(view.joint(arm, joint)?)?)));
         let title = format!("{} {}", self.title, view.joint_words(joint));
         let id = view.id(self.id, joint);
         let figure = figure(view, joint, id, (&title, caption), self.quantity, curves);
@@ -329,33 +347,37 @@ pub(super) fn limited(view: &View, joint: usize) -> Vec<Result<Figure, String>> 
     turning.chain(deflected).chain(moment).collect()
 }
 
-/// Deflection of a link's tip from the tangent line at its root; for a single link as written, or `v − Lθ`.
+/// Times in s, and deflection in m of a link's tip from the tangent line at its root; for a single link as written, or
+/// `v − Lθ`.
+fn tip_deflection(run: &StoredRun, link: usize) -> (&[f64], Cow<'_, [f64]>) {
+    let Some(single) = Single::of(run) else {
+        return (&run.nodal_times_s, tip_deflection_m(run, link).into());
+    };
+    let output = single.arc.mesh.output();
+    let written = single.arc.deflections_m.as_ref();
+    let written = written.and_then(|own| {
+        let at = own.nodes.iter().position(|node| *node == output)?;
+        Some((&own.times_s[..], Cow::from(&own.histories[at])))
+    });
+    written.unwrap_or_else(|| (single.times_s, bent_m(single).into()))
+}
+
+/// Deflection of a link's tip from the tangent line at its root.
 fn deflection(view: &View, link: usize) -> Result<Figure, String> {
     let known = view.first().joints[link].reading("peak_deflection_m");
     let of_arm =
         format!("Deflection at the tip of link {}, estimated from its nodes", view.number_of(link));
     let title = view.pick("Deflection of the tip from the hub's tangent line", &of_arm);
     let caption = view.pick(AT_MOST, "From the tangent line at the link's root, at most {}.");
-    let curves = if let Some(run) = view.link {
-        let output = run.arc.mesh.output();
-        let written = run.arc.deflections_m.as_ref();
-        let written = written.and_then(|own| {
-            let at = own.nodes.iter().position(|node| *node == output)?;
-            Some((&own.times_s[..], &own.histories[at]))
-        });
-        let bent = bent_m(run);
-        let (times_s, history) = written.unwrap_or((run.times_s, &bent));
-        vec![view.curve("flexible link", Stroke::Solid(1), times_s, history)]
-    } else {
-        let own = largest(&tip_deflection_m(view.first(), link));
-        if known.is_some_and(|peak| (own / peak - 1.0).abs() > TRUSTED) {
-            let why = "too few rows were written for it: --every 1 writes all";
-            return Err(format!("{title}, since {why}"));
-        }
-        view.of_runs("flexible arm", |arm| {
-            Some((&arm.nodal_times_s, tip_deflection_m(arm, link).into()))
-        })
-    };
+    let own = largest(&tip_deflection(view.first(), link).1);
+    if view.is_arm() && known.is_some_and(|peak| (own / peak - 1.0).abs() > TRUSTED) {
+        let why = "too few rows were written for it: --every 1 writes all";
+        return Err(format!("{title}, since {why}"));
+    }
+    let curves = view.of_runs(view.pick("flexible link", "flexible arm"), |run| {
+        view.joint(run, link)?;
+        Some(tip_deflection(run, link))
+    });
     let id = view.id("tip-deflection", link);
     let figure = figure(view, link, id, (title, caption), ("deflection", "deflection"), curves);
     Ok(figure.by(view.pick(formula::TIP_DEFLECTION, formula::LINK_DEFLECTION)))
@@ -370,8 +392,15 @@ fn root_moment(view: &View) -> Result<Figure, String> {
         "too few rows were written for an estimate: --every 1 writes all"
     };
     let moments = moments.ok_or_else(|| format!("the bending moment at the root, since {why}"))?;
-    let StoredNodes { times_s, histories, .. } = &moments.nodes;
-    let curves = vec![view.curve("flexible link", Stroke::Solid(1), times_s, &histories[0])];
+    let of_others: Vec<_> = view.runs[1..].chunks(1).map(|run| View::of(run).moments(0)).collect();
+    let all = std::iter::once(Some(moments.clone())).chain(of_others);
+    let lines = view.named("flexible link").zip(all).enumerate();
+    let lines = lines.filter_map(|(k, ((run, name), moments))| {
+        let nodes = moments.filter(|own| own.nodes.nodes.first() == Some(&0))?.nodes;
+        view.joint(run, 0)?;
+        Some(view.curve(&name, run_stroke(k), &nodes.times_s, &nodes.histories[0]))
+    });
+    let curves = lines.collect();
     let (title, formula) = if moments.is_written {
         ("Bending moment at the root", formula::ROOT_MOMENTS)
     } else {
@@ -384,7 +413,7 @@ fn root_moment(view: &View) -> Result<Figure, String> {
 /// Bending moments at the roots of all links of an arm.
 pub(super) fn root_moments(view: &View) -> Result<Figure, String> {
     let mut curves = view.each(&view.numbered("link"), |arm, link| {
-        let moments = arm.links[link].moments_n_m.as_ref()?;
+        let moments = arm.links.get(link)?.moments_n_m.as_ref()?;
         Some((&moments.times_s, moments.histories[0].clone()))
     });
     if curves.is_empty() {
@@ -415,6 +444,7 @@ mod tests {
     use crate::result::Limits;
     use crate::result::{StoredMotor, StoredRun};
     use crate::store::StoredResult;
+    use crate::text::significant;
 
     /// A peak between samples exceeds all samples.
     #[test]

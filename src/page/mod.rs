@@ -2,6 +2,7 @@
 
 mod axis;
 mod bending;
+mod beside;
 mod colour_map;
 mod document;
 mod drawing;
@@ -13,6 +14,8 @@ mod link;
 mod motion;
 mod robust;
 mod sweep;
+mod swept;
+mod swept_quantities;
 mod tables;
 mod tip;
 mod view;
@@ -30,8 +33,8 @@ impl Figures {
     pub fn of(result: &StoredResult) -> Self {
         match result {
             StoredResult::Runs(runs) => run_figures(&View::of(runs)),
-            StoredResult::Sweep(sweep) => sweep::sweep_figures(sweep),
-            StoredResult::Robust(study) => robust::robust_figures(study),
+            StoredResult::Sweep(sweep) => swept::sweep_figures(sweep),
+            StoredResult::Robust(studies) => robust::robust_figures(studies),
         }
     }
 }
@@ -41,12 +44,12 @@ pub fn page(result: &StoredResult, figures: &Figures) -> String {
     let document = match result {
         StoredResult::Runs(runs) => document::run_page(&View::of(runs), figures),
         StoredResult::Sweep(sweep) => sweep::sweep_page(sweep, figures),
-        StoredResult::Robust(study) => robust::robust_page(study, figures),
+        StoredResult::Robust(studies) => robust::robust_page(studies, figures),
     };
     let link = match result {
         StoredResult::Runs(runs) => runs[0].links.first().map(|own| &own.link),
         StoredResult::Sweep(sweep) => sweep.links.first(),
-        StoredResult::Robust(study) => study.links.first(),
+        StoredResult::Robust(studies) => studies[0].links.first(),
     };
     let document = document.into_string();
     visible_document(&match link {
@@ -75,10 +78,11 @@ fn run_figures(view: &View) -> Figures {
     figures.extend(joints.map(|link| bending::waves(view, link)));
     if let Some(run) = view.link {
         figures.extend(view.is_solved().then(|| tip::under_rigid_torque(view, run)));
-        figures.extend([frequency::transfer(run), frequency::shapes(&run.arc.mesh)]);
+        figures.extend([frequency::transfer(view, run), frequency::shapes(&run.arc.mesh)]);
     } else {
         figures.add(joint::root_moments(view));
     }
+    figures.omitted.extend(beside::drawn_apart(view));
     figures
 }
 

@@ -286,7 +286,9 @@ fn ways(view: &View) -> Vec<Way> {
         let kept = evenly(samples.len(), POINTS).into_iter().map(|k| samples.start + k);
         Way { name, class, places_m: kept.map(|k| [x[k], y[k]]).collect() }
     };
-    let runs = view.named("path of the tip").enumerate().map(|(k, (arm, name))| {
+    // The tip of a single link has no place in the plane of the arm.
+    let arms = view.named("path of the tip").enumerate().filter(|(_, (run, _))| run.arc.is_none());
+    let runs = arms.map(|(k, (arm, name))| {
         let class = if k == 0 { "way reached s4".to_owned() } else { run_stroke(k).classes() };
         way(name, class, (&arm.times_s, &arm.tip_m))
     });

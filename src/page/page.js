@@ -158,7 +158,7 @@ function ticksOf({ log, scale, value, places }, a, b, room) {
 // An entry of a key: a sample of the look, the name, and room for a value.
 function keyEntry(look, name, ...value) {
 	if (!look) return el("span", {}, name, ...value);
-	const d = /span|fill/.test(look) ? "M1,1H25V11H1Z" : "M1,6H25";
+	const box = "M1,1H25V11H1Z", d = /hatched/.test(look) ? `${box}M4,11L14,1M12,11L22,1` : /span|fill/.test(look) ? box : "M1,6H25";
 	const sample = svg("svg", "", { viewBox: "0 0 26 12", "aria-hidden": true });
 	sample.append(svg("path", look, { d }));
 	return el("span", {}, sample, el("span", {}, name), ...value);
@@ -234,7 +234,7 @@ function bringToLife(figure) {
 	const peakBending = bent && Math.max(...bending.map((frame) => Math.max(...frame.map(Math.abs))));
 	for (const one of series) one.value = addValue(one.look, one.name);
 	// The key takes the place of the legend, with what that says of shaded spans and areas.
-	for (const text of map ? [] : chart.querySelectorAll(".legend text"))
+	for (const text of chart.querySelectorAll(map ? ".legend .named + text" : ".legend text"))
 		if (!series.some((one) => one.name === text.textContent))
 			key.append(keyEntry(text.previousElementSibling?.getAttribute("class"), text.textContent));
 	const [wider, closer, reset] = ["Zoom out", "Zoom in", "Reset zoom"].map((text) => el("button", { type: "button" }, text));

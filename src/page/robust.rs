@@ -5,10 +5,14 @@ use std::ops::Range;
 use maud::{Markup, html};
 
 use super::axis::{Axis, TIME, raised};
-use super::document::{FILES, Section, advice, all_figures, document, inputs, made_by};
+use super::beside::differences;
+use super::document::{
+    FILES, Section, advice, all_figures, document, inputs, made_by, with_others,
+};
 use super::figure::{Curve, Figure, Figures, Mark, Stroke};
 use super::sweep::links_drawn;
 use super::tables::{readings, table};
+use super::view::run_stroke;
 use super::words::{MEASURES, formula};
 use crate::compare::Cell;
 use crate::robust::{
@@ -23,14 +27,20 @@ const ROWS: [&str; 8] = ["m1", "m2", "m3", "m4", "m5", "m6", "m7", "m8"];
 const ROW: f64 = 14.0;
 const PLOT: f64 = 220.0;
 
-/// Figures of a study.
-pub(super) fn robust_figures(study: &StoredRobust) -> Figures {
+/// Figures of the first study, with the others where a figure holds several.
+pub(super) fn robust_figures(studies: &[StoredRobust]) -> Figures {
+    let (study, others) = (&studies[0], &studies[1..]);
     let mut figures = Figures::default();
     let keys = study.summary.by_share();
-    figures.add(envelope(study));
+    figures.add(envelope(studies));
     figures.extend((keys.len() > 1).then(|| Ok(bars(study, &keys))));
     figures.extend((1..).zip(&keys).map(|(number, own)| Ok(over_key(study, number, own))));
-    figures.add(sample(study));
+    figures.add(sample(studies));
+    if !others.is_empty() {
+        let why = "since these figures hold one";
+        let alone = format!("values of other studies than {}, {why}", study.name);
+        figures.omitted.push(alone);
+    }
     figures
 }
 
@@ -69,9 +79,15 @@ fn marked<L: Into<String>>(
     Figure { y, marks, ..figure }
 }
 
-/// Lowest and highest error over time.
-fn envelope(study: &StoredRobust) -> Result<Figure, String> {
-    let StoredRobust { summary, times_s, envelope_m: [low, high], .. } = study;
+/// Name of a line, with that of the study if there are several.
+fn named(studies: &[StoredRobust], own: &StoredRobust, line: &str) -> String {
+    if studies.len() > 1 { format!("{line}, {}", own.name) } else { line.to_owned() }
+}
+
+/// Lowest and highest error over time, of all studies.
+fn envelope(studies: &[StoredRobust]) -> Result<Figure, String> {
+    let study = &studies[0];
+    let summary = &study.summary;
     let runs = summary.sample.runs;
     if runs == 0 {
         return Err("the error over time, since no plant is drawn: --runs is 0".to_owned());
@@ -80,10 +96,22 @@ fn envelope(study: &StoredRobust) -> Result<Figure, String> {
         if study.links.len() > 1 { " The errors are distances, without a sign." } else { "" };
     let mut caption =
         format!("Lowest and highest error of the tip among the {runs} drawn plants.{sizes}");
-    let mut curves = vec![
-        Curve::new("highest error", Stroke::Solid(1), times_s, high),
-        Curve::new("lowest error", Stroke::Solid(2), times_s, low),
-    ];
+    let line = |k: usize, own: &StoredRobust, side: usize| {
+        // A row of the legend holds the lines of two studies.
+        let words = if studies.len() > 1 {
+            ["lowest", "highest"]
+        } else {
+            ["lowest error", "highest error"]
+        };
+        let name = named(studies, own, words[side]);
+        let colour = 2 - side;
+        let stroke = if k == 0 { Stroke::Solid(colour) } else { Stroke::Dashed(2 * k + colour) };
+        Curve::new(&name, stroke, &own.times_s, &own.envelope_m[side])
+    };
+    // A study without drawn plants has no envelope.
+    let drawn = studies.iter().enumerate().filter(|(_, own)| own.summary.sample.runs > 0);
+    let lines = drawn.clone().flat_map(|(k, own)| [1, 0].map(|side| line(k % 3, own, side)));
+    let mut curves: Vec<Curve> = lines.collect();
     let band = format!("settling band {}", summary.both(summary.band_m));
     match Curve::limit((summary.band_m, &band), 0.0, 3, &curves) {
         Some(line) => curves.push(line),
@@ -95,7 +123,10 @@ fn envelope(study: &StoredRobust) -> Result<Figure, String> {
         (summary.nominal.period_s.map(|period_s| end_s + period_s), "one period later"),
         (summary.settling_p95_s.map(|after_s| end_s + after_s), "95 % settled"),
     ];
-    let x = Axis::linear(TIME, "s", times_s[0]..times_s[times_s.len() - 1]);
+    let times = drawn.flat_map(|(_, own)| own.times_s.iter().copied());
+    let (from, until) =
+        times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
+    let x = Axis::linear(TIME, "s", from..until);
     let title = "Error of the tip over time";
     let figure = Figure::of_curves("envelope", title, caption, x, ("error", "m"), curves);
     Ok(marked(figure, marks).by(formula::ENVELOPE))
@@ -171,19 +202,30 @@ fn over_key(study: &StoredRobust, number: usize, own: &KeyOutcome) -> Figure {
     marked(figure, marks).by(formula::STRAYS)
 }
 
-/// Share of the drawn plants below each tip error.
-fn sample(study: &StoredRobust) -> Result<Figure, String> {
-    let size = of_plants(study, Measure::TipError);
-    let mut sizes: Vec<f64> = rows(study, PlantKind::Sample).map(size).collect();
-    sizes.sort_by(f64::total_cmp);
-    let Some(quantiles) = study.summary.quantiles.filter(|_| sizes.len() > 1) else {
+/// Share of the drawn plants below each tip error, of all studies.
+fn sample(studies: &[StoredRobust]) -> Result<Figure, String> {
+    let study = &studies[0];
+    let sizes = |own: &StoredRobust| {
+        let size = of_plants(own, Measure::TipError);
+        let mut sizes: Vec<f64> = rows(own, PlantKind::Sample).map(size).collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes
+    };
+    let all: Vec<(usize, &StoredRobust, Vec<f64>)> =
+        studies.iter().enumerate().map(|(k, own)| (k, own, sizes(own))).collect();
+    let Some(quantiles) = study.summary.quantiles.filter(|_| all[0].2.len() > 1) else {
         return Err("the distribution, since fewer than two plants are drawn".to_owned());
     };
-    let last = (sizes.len() - 1) as f64;
-    let shares: Vec<f64> = (0..sizes.len()).map(|k| 100.0 * k as f64 / last).collect();
+    let curve = |(k, own, sizes): &(usize, &StoredRobust, Vec<f64>)| {
+        let last = (sizes.len() - 1) as f64;
+        let shares: Vec<f64> = (0..sizes.len()).map(|k| 100.0 * k as f64 / last).collect();
+        Curve::new(&named(studies, own, "plants below"), run_stroke(*k), sizes, &shares)
+    };
+    let curves = all.iter().filter(|(.., sizes)| sizes.len() > 1).map(curve).collect();
+    let of_one = if studies.len() > 1 { format!(" of {}", study.name) } else { String::new() };
     let caption = format!(
-        "Share of the {} drawn plants whose tip error is smaller, with the quantiles.",
-        sizes.len()
+        "Share of the {} drawn plants whose tip error is smaller, with the quantiles{of_one}.",
+        all[0].2.len()
     );
     let [of_tip, ..] = quantiles;
     let marks = [(of_tip.median_m, "50 %"), (of_tip.p95_m, "95 %"), (of_tip.p99_m, "99 %")];
@@ -191,31 +233,78 @@ fn sample(study: &StoredRobust) -> Result<Figure, String> {
         let at = percent(study, at_m);
         (Some(at), format!("{label} below {} %", significant(at, 3)))
     });
-    let x = Axis::around("tip error", "%", sizes.iter());
-    let curves = vec![Curve::new("plants below", Stroke::Solid(1), &sizes, &shares)];
+    let x = Axis::around("tip error", "%", all.iter().flat_map(|(.., sizes)| sizes));
     let title = "Distribution of the tip error";
     let figure = Figure::of_curves("sample", title, caption, x, ("plants below", "%"), curves);
     Ok(marked(figure, marks).by(formula::SAMPLE))
 }
 
-/// The page of a study, with its figures.
-pub(super) fn robust_page(study: &StoredRobust, figures: &Figures) -> Markup {
+/// Worst and drawn plants of all studies, and their inputs, side by side.
+fn beside(studies: &[StoredRobust]) -> Markup {
+    let names: Vec<&str> = studies.iter().map(|own| own.name.as_str()).collect();
+    let head = [&["measure"], &names[..]].concat();
+    let worst = |own: &StoredRobust, measure: Measure| {
+        let found = own.summary.worst.iter().find(|own| own.measure == measure);
+        found.map_or(String::new(), |found| own.summary.both(found.size_m))
+    };
+    let below = |own: &StoredRobust, measure: Measure| {
+        let quantile = own.summary.quantiles.map(|all| all[measure as usize].p95_m);
+        quantile.map_or(String::new(), |found| own.summary.quantile(found))
+    };
+    let rows = html! {
+        @for measure in Measure::ALL {
+            tr {
+                th scope="row" { "worst " (measure.word()) }
+                @for own in studies { td { (worst(own, measure)) } }
+            }
+            tr {
+                th scope="row" { (measure.word()) " of 95 % of the drawn plants" }
+                @for own in studies { td { (below(own, measure)) } }
+            }
+        }
+        tr {
+            th scope="row" { "played" }
+            @for own in studies { td { (own.summary.played_words(own.links.len() > 1)) } }
+        }
+    };
+    let origins: Vec<_> = studies.iter().map(|own| &own.origin).collect();
+    html! { (table(&head, &rows)) (differences(&names, &origins)) }
+}
+
+/// The page of the first study, with its figures and the others beside it.
+pub(super) fn robust_page(studies: &[StoredRobust], figures: &Figures) -> Markup {
+    let study = &studies[0];
     let title = match study.origin.title.trim() {
         "" => "Uncertain values".to_owned(),
         title => format!("{title}, with uncertain values"),
     };
-    let told = study.warnings.iter().map(|own| (own.message.clone(), own.hint.clone()));
+    let told = studies.iter().flat_map(|study| {
+        let of = if studies.len() > 1 { format!("{}: ", study.name) } else { String::new() };
+        study.warnings.iter().map(move |own| (format!("{of}{}", own.message), own.hint.clone()))
+    });
     let warnings = advice(&told.collect::<Vec<_>>(), true).map(Section::warnings);
+    let beside = (studies.len() > 1).then(|| beside(studies));
+    let beside = beside.map(|content| Section::new("beside", "Side by side", content));
     let sections = [
-        all_figures(figures),
-        Section::new("link", "Link", links_drawn(&study.links)),
-        Section::glossary(&MEASURES),
-        Section::new("results", "Results", results(study)),
-        Section::new("keys", "Values", keys(study)),
-        inputs(&study.origin),
+        Some(all_figures(figures)),
+        Some(Section::new("link", "Link", links_drawn(&study.links))),
+        Some(Section::glossary(&MEASURES)),
+        beside,
+        Some(Section::new("results", "Results", results(study))),
+        Some(Section::new("keys", "Values", keys(study))),
+        Some(inputs(&study.origin)),
     ];
-    let sections: Vec<Section> = warnings.into_iter().chain(sections).collect();
-    document(&title, &made_by(&study.origin), &sections, FILES, None)
+    let sections: Vec<Section> =
+        warnings.into_iter().chain(sections.into_iter().flatten()).collect();
+    let origin = html! {
+        @for (k, own) in studies.iter().enumerate() {
+            @if k > 0 { br; }
+            @if studies.len() > 1 { strong { (own.name) } " " }
+            (made_by(&own.origin))
+        }
+    };
+    let title = with_others(&title, studies[1..].iter().map(|own| &own.name));
+    document(&title, &origin, &sections, FILES, None)
 }
 
 /// The numbers of the study.

@@ -12,7 +12,7 @@ use crate::modal::{
 };
 use crate::response::damping_ratios;
 use crate::result::{Check, StoredRun};
-use crate::text::{digits_beyond, significant};
+use crate::text::{after, before, digits_beyond, significant};
 
 /// A table that scrolls sideways on a narrow page.
 pub(super) fn table<T: AsRef<str>>(head: &[T], rows: &Markup) -> Markup {
@@ -64,7 +64,17 @@ pub(super) fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
 }
 
 /// A number of the summary with its unit.
-fn amount(name: &str, value: f64) -> String {
+pub(super) fn amount(name: &str, value: f64) -> String {
+    // Their signs need words.
+    match name {
+        "lead_s" if value < 0.0 => {
+            return before(value, 4) + " the tip has set out";
+        }
+        "lead_s" => return before(value, 4) + " the tip moves",
+        "lag_s" if value < 0.0 => return after(value, 4) + " the tip stops",
+        "lag_s" => return after(value, 4) + " the tip has stopped",
+        _ => {}
+    }
     // A count has no decimals.
     let is_count = name.ends_with("iterations");
     let number = if is_count { value.to_string() } else { digits(value, 4) };

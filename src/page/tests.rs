@@ -5,9 +5,10 @@ use std::slice::from_ref;
 
 use super::Figures;
 use super::bending::{COLUMNS, Moments, ROWS, deflections, tip_deflection_m, waves};
+use super::figure::Stroke;
 use super::joint::LIMITED;
 use super::motion::exaggeration;
-use super::sweep::{FINE, sweep_figures};
+use super::swept::{FINE, sweep_figures};
 use super::tip::rigid_tip_m;
 use super::view::{View, inside};
 use crate::beam::{Mesh, MeshPlan};
@@ -276,6 +277,7 @@ fn sweep(varied: &[(&str, &[f64])], ratios: &[f64]) -> StoredSweep {
         name: "sweep.csv".to_owned(),
         origin: None,
         links: vec![],
+        limits: vec![],
         units: units.collect(),
         table,
     }
@@ -324,7 +326,7 @@ fn what_cannot_be_drawn_is_told() {
     let one = sweep(&[("a", &[1.0])], &[0.5]);
     let figures = sweep_figures(&one);
     assert!(figures.drawn.is_empty());
-    assert!(figures.omitted[0].contains("two numbers or more"), "{:?}", figures.omitted);
+    assert!(figures.omitted[0].contains("two values or more"), "{:?}", figures.omitted);
     let failed = sweep(&[("a", &[1.0, 2.0])], &[f64::NAN, f64::NAN]);
     assert!(sweep_figures(&failed).omitted[0].contains("no case has a number"));
     let many: Vec<f64> = (0..14).map(f64::from).collect();
@@ -332,7 +334,9 @@ fn what_cannot_be_drawn_is_told() {
     let more: Vec<f64> = (0..14).map(|k| f64::from(k / 2)).collect();
     let crowd = sweep(&[("a", &many), ("b", &more), ("c", &last)], &[0.5; 14]);
     let figures = sweep_figures(&crowd);
-    assert!(figures.omitted[0].contains("more than a figure holds"), "{:?}", figures.omitted);
+    let [dots] = &figures.drawn[0].curves[..] else { panic!("{:?}", figures.drawn[0].curves) };
+    assert_eq!((dots.stroke, dots.points.len()), (Stroke::Points(1), 14));
+    assert!(figures.drawn[0].caption.contains("more than a figure holds"));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Figures of the tip: motion along the arc for a link, place for an arm, and distance from the wanted motion.
 
+use std::borrow::Cow;
+
 use super::axis::{digits, is_extreme};
 use super::bending::Interpolation;
 use super::figure::{Curve, Figure, Stroke};
@@ -16,7 +18,7 @@ use crate::text::significant;
 
 /// Acceleration and displacement of the tip of a link.
 pub(super) fn motion(view: &View, run: Single) -> [Figure; 2] {
-    let (tip, times_s) = (&run.arc.tip, run.times_s);
+    let tip = &run.arc.tip;
     let what = if view.is_solved() { "The wanted motion" } else { "The simulated motion" };
     let peak = view.peak("peak_tip_acceleration_m_s2", &tip.acceleration_m_s2);
     let acceleration = view.figure(
@@ -24,11 +26,14 @@ pub(super) fn motion(view: &View, run: Single) -> [Figure; 2] {
         "Acceleration of the tip",
         format!("{what}: tip acceleration, at most {peak} m/s²{}.", cited(view, [Some(3), None])),
         ("acceleration", "m/s²"),
-        vec![view.curve("tip", Stroke::Solid(3), times_s, &tip.acceleration_m_s2)],
+        view.of_links(("tip", 3), |run| {
+            Some((run.times_s, Cow::from(&run.arc.tip.acceleration_m_s2)))
+        }),
     );
     let travel = tip.displacement_m[tip.displacement_m.len() - 1] - tip.displacement_m[0];
     let travel = digits(travel, 4);
-    let mut curves = vec![view.curve("tip", Stroke::Solid(3), times_s, &tip.displacement_m)];
+    let mut curves = view
+        .of_links(("tip", 3), |run| Some((run.times_s, Cow::from(&run.arc.tip.displacement_m))));
     let cited = cited(view, [Some(4), None]);
     let mut caption = format!(
         "{what}: tip displacement along the arc; it ends {travel} m from where it began{cited}."
@@ -54,7 +59,9 @@ pub(super) fn motion_formula(view: &View, solved: &'static str) -> &'static str 
 /// Place of the tip of an arm.
 pub(super) fn place(view: &View) -> Figure {
     let names = ["x", "y"].map(str::to_owned);
-    let mut curves = view.each(&names, |arm, axis| Some((&arm.times_s, arm.tip_m[axis].clone())));
+    let mut curves = view.each(&names, |arm, axis| {
+        arm.arc.is_none().then(|| (&arm.times_s[..], arm.tip_m[axis].clone()))
+    });
     let travel_m = view.peak("farthest_m", &from_start_m(view.first()));
     let mut caption = format!("Place of the tip; it gets up to {travel_m} m away from its start.");
     if let Some(target) = &view.first().target {
@@ -68,32 +75,92 @@ pub(super) fn place(view: &View) -> Figure {
     view.figure("tip", "Place of the tip", caption, ("place", "m"), curves).by(formula::ARM_TIP)
 }
 
-/// Distance of the other runs' tips from the wanted place on the path of one run, or of a simulation's tip from its
-/// target. The figure omits the run with the path, whose tip error is among its errors.
+/// Distance of a run's tip from the wanted motion: of a simulation from its target, or else from the motion of the
+/// first solved run.
+pub(super) struct Strays<'a> {
+    /// Number of the run.
+    pub(super) run: usize,
+    times_s: &'a [f64],
+    /// Of a link with a sign, of an arm the distance.
+    error_m: Cow<'a, [f64]>,
+}
+
+impl Strays<'_> {
+    pub(super) fn largest_m(&self) -> f64 {
+        largest(&self.error_m)
+    }
+}
+
+/// How far the tips of simulations stray. The tip error of a solved run is among its errors.
+pub(super) fn strays<'a>(view: &View<'a>) -> Vec<Strays<'a>> {
+    let of_link = view.link.is_some();
+    let rigid = view.runs.iter().find(|run| run.moving_s.is_some());
+    let rigid = rigid.filter(|run| run.arc.is_some() == of_link);
+    let wanted_m = rigid.filter(|_| !of_link).and_then(rigid_tip_m);
+    let of = |(run, arm): (usize, &'a StoredRun)| -> Option<Strays<'a>> {
+        if arm.arc.is_some() != of_link || arm.moving_s.is_some() {
+            return None;
+        }
+        if let Some(target) = &arm.target {
+            let error_m = Cow::from(&target.error_m);
+            return Some(Strays { run, times_s: &target.times_s, error_m });
+        }
+        let rigid = rigid?;
+        let times_s = &arm.times_s;
+        let error_m: Vec<f64> = match (&arm.arc, &rigid.arc, &wanted_m) {
+            (Some(own), Some(wanted), _) => {
+                let (own_m, wanted_m) = (&own.tip.displacement_m, &wanted.tip.displacement_m);
+                let wanted = at_times(times_s, (&rigid.times_s, wanted_m));
+                // Without a target a simulation begins at 0, wherever the motion does.
+                let apart_m = own_m[0] - wanted[0];
+                own_m.iter().zip(wanted).map(|(own, wanted)| own - wanted - apart_m).collect()
+            }
+            (None, None, Some(wanted)) => {
+                let [x, y] = [0, 1].map(|axis| at_times(times_s, (&rigid.times_s, &wanted[axis])));
+                let off = |k: usize| libm::hypot(arm.tip_m[0][k] - x[k], arm.tip_m[1][k] - y[k]);
+                (0..times_s.len()).map(off).collect()
+            }
+            _ => return None,
+        };
+        Some(Strays { run, times_s, error_m: error_m.into() })
+    };
+    view.runs.iter().enumerate().filter_map(of).collect()
+}
+
+/// How far the tips of the runs are from the wanted motion; `None` without a target and a solved run beside.
 pub(super) fn error(view: &View) -> Option<Figure> {
-    let Some(rigid) = view.rigid().filter(|_| view.is_arm()) else { return off_target(view) };
-    let wanted = rigid_tip_m(rigid)?;
-    let mut worst = Vec::new();
-    let runs = view.named("").enumerate().filter(|(_, (arm, _))| !std::ptr::eq(*arm, rigid));
-    let curves = runs.map(|(k, (arm, name))| {
-        let [x, y] = [0, 1].map(|axis| at_times(&arm.times_s, (&rigid.times_s, &wanted[axis])));
-        let off = (0..arm.times_s.len())
-            .map(|k| libm::hypot(arm.tip_m[0][k] - x[k], arm.tip_m[1][k] - y[k]));
-        let off: Vec<f64> = off.collect();
-        worst.push(format!("{name} {} m", significant(largest(&off), 2)));
-        view.curve(&name, run_stroke(k), &arm.times_s, &off)
-    });
-    let curves: Vec<Curve> = curves.collect();
+    if view.runs.len() == 1 {
+        return off_target(view);
+    }
+    let names: Vec<String> = view.named("").map(|(_, name)| name).collect();
+    let all = strays(view);
+    let worst =
+        all.iter().map(|own| format!("{} {} m", names[own.run], significant(own.largest_m(), 2)));
+    let worst = worst.collect::<Vec<_>>().join(", ");
+    let curve =
+        |own: &Strays| view.curve(&names[own.run], run_stroke(own.run), own.times_s, &own.error_m);
+    let curves: Vec<Curve> = all.iter().map(curve).collect();
     if curves.is_empty() {
         return None;
     }
-    let from = match rigid.prescribed {
+    let solved = view.runs.iter().find(|run| run.moving_s.is_some());
+    let from = match solved.and_then(|run| run.prescribed) {
         Some(Prescribed::Angles) => "the tip of the rigid arm with the same directions",
         _ => "where it is wanted",
     };
-    let caption = format!("Distance of the tip from {from}, at most: {}.", worst.join(", "));
+    let what =
+        view.pick("Displacement of the tip less the wanted one", "Distance of the tip from ");
+    let from = view.pick("", from);
+    let by_target = all.iter().any(|own| view.runs[own.run].target.is_some());
+    let by_run = all.iter().any(|own| view.runs[own.run].target.is_none());
+    let of_run = solved.filter(|_| by_run).map(|run| run.name.as_str());
+    let of_target = by_target.then_some("the target of each simulation that has one");
+    let wanted = [of_target, of_run].into_iter().flatten().collect::<Vec<_>>().join(", else ");
+    let caption = format!("{what}{from}, at most: {worst}. The wanted motion is that of {wanted}.");
     let (title, quantity) = ("How far the tip strays", ("distance", "m"));
-    Some(view.figure("tip-error", title, caption, quantity, curves).by(formula::ARM_TIP_ERROR))
+    let quantity = view.pick(("error", "m"), quantity);
+    let figure = view.figure("tip-error", title, caption, quantity, curves);
+    Some(figure.by(view.pick(formula::TIP_ERROR, formula::ARM_TIP_ERROR)))
 }
 
 /// Distance of a simulation's tip from its target.

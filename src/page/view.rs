@@ -53,7 +53,8 @@ pub(super) struct Single<'a> {
 }
 
 impl<'a> Single<'a> {
-    fn of(run: &'a StoredRun) -> Option<Self> {
+    /// `None` for an arm of several links.
+    pub(super) fn of(run: &'a StoredRun) -> Option<Self> {
         let StoredRun { times_s, joints, links, arc, readings, .. } = run;
         let (joint, link) = (&joints[0], &links[0].link);
         arc.as_ref().map(|arc| Self { times_s, joint, link, arc, readings })
@@ -61,8 +62,27 @@ impl<'a> Single<'a> {
 }
 
 impl<'a> View<'a> {
-    /// Finds the time in which tip and torques act; for a simulated arm, all of it.
+    /// Finds the time in which tips and torques of all runs act; for simulated arms alone, all of it.
     pub(super) fn of(runs: &'a [StoredRun]) -> Self {
+        let all: Vec<Self> = runs.chunks(1).map(Self::of_one).collect();
+        let acting: Vec<&Self> = all.iter().filter(|own| own.acts()).collect();
+        let spans: Vec<(f64, f64)> = if acting.is_empty() {
+            all.iter().map(|own| own.span_s).collect()
+        } else {
+            acting.into_iter().map(|own| own.span_s).collect()
+        };
+        let span_s = spans
+            .into_iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        Self { runs, span_s, ..all[0].clone() }
+    }
+
+    /// True if the shown time depends on a motion or a torque.
+    fn acts(&self) -> bool {
+        self.is_solved() || self.link.is_some()
+    }
+
+    fn of_one(runs: &'a [StoredRun]) -> Self {
         let first = &runs[0];
         let link = Single::of(first);
         let times = &first.times_s;
@@ -136,9 +156,31 @@ impl<'a> View<'a> {
             .map(move |arm| (arm, if is_alone { own.to_owned() } else { arm.name.clone() }))
     }
 
+    /// A joint of a run; `None` without a joint of this number, and for a carriage beside a hub.
+    pub(super) fn joint<'b>(&self, run: &'b StoredRun, joint: usize) -> Option<&'b StoredJoint> {
+        let slides = |run: &StoredRun| Some(run.links.get(joint)?.link.joint().slides());
+        run.joints.get(joint).filter(|_| slides(run) == slides(self.first()))
+    }
+
+    /// A line for each run of a single link with the quantity: times in s and values. The line of a single run has the
+    /// `colour`.
+    pub(super) fn of_links<'b>(
+        &'b self,
+        (own, colour): (&str, usize),
+        of: impl Fn(Single<'b>) -> Option<(&'b [f64], Cow<'b, [f64]>)>,
+    ) -> Vec<Curve> {
+        let mut curves = self.of_runs(own, |run| of(Single::of(run)?));
+        if let ([only], true) = (&mut curves[..], self.runs.len() == 1) {
+            only.stroke = Stroke::Solid(colour);
+        }
+        curves
+    }
+
     /// The first run with the rigid arm in its files.
     pub(super) fn rigid(&self) -> Option<&StoredRun> {
-        let is_whole = |arm: &&StoredRun| arm.joints.iter().all(|j| j.rigid_angle_rad.is_some());
+        let is_whole = |arm: &&StoredRun| {
+            arm.arc.is_none() && arm.joints.iter().all(|j| j.rigid_angle_rad.is_some())
+        };
         self.runs.iter().find(is_whole)
     }
 

@@ -23,9 +23,14 @@ pub(super) const GLOSSARY: [(&str, &str); 4] = [
     (
         "lead",
         "Time by which the torque acts before the tip sets out: from when it first exceeds 2 % of its peak or, of an \
-         arm and under gravity, differs from its value at rest by more than 2 % of its range.",
+         arm and under gravity, differs from its value at rest by more than 2 % of its range. Below 0 it begins after the \
+         tip has set out, as it does where a slow motion begins with little torque.",
     ),
-    ("lag", "Time by which the torque acts after the tip has stopped: until it last does so."),
+    (
+        "lag",
+        "Time by which the torque acts after the tip has stopped: until it last does so. Below 0 it ends before the \
+         tip stops.",
+    ),
     (
         "hysteretic",
         "Damping that takes the same share of a vibration's energy in each cycle, whatever its frequency: the \
@@ -245,8 +250,8 @@ pub(super) fn worded(link: &Link, page: String) -> String {
     let mut figure = "";
     while let Some(at) = rest.find('<') {
         let (text, tagged) = rest.split_at(at);
-        // Names and files of the user stay.
-        let is_given = ["<h1", "<title", "<code", "<p class=\"origin\""];
+        // Names and files of the user stay, and the numbers of runs side by side, whose joints may differ.
+        let is_given = ["<h1", "<title", "<code", "<p class=\"origin\"", "<span class=\"own\""];
         let is_given = is_given.iter().any(|own| last.starts_with(own))
             || last.contains("dimension-text")
             || [".csv", ".toml"].iter().any(|end| text.ends_with(end));

@@ -117,10 +117,20 @@ fn modes_shapes_and_zeros_of_a_pose_are_tabled() {
     let shapes = bench.table("m/mode_shapes.csv");
     let names: Vec<&str> = shapes.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names[..6], ["link", "x_m", "rest_x_m", "rest_y_m", "mode_1_x", "mode_1_y"]);
-    assert_eq!(names.len(), 4 + 2 * 4);
+    assert_eq!(names[12..15], ["mode_1_slope", "mode_2_slope", "mode_3_slope"]);
+    assert_eq!(names[16..19], ["held_1_x", "held_1_y", "held_1_slope"]);
+    assert_eq!(names.len(), 4 + 3 * 4 + 3 * 2);
     let root = shapes[0].1.iter().position(|link| *link > 1.5).unwrap();
     assert!((shapes[1].1[root - 1] - 0.7).abs() < 1e-9 && shapes[1].1[root] == 0.0);
-    for (name, values) in &shapes[2..] {
+    // The second joint turns by the step of the slope there.
+    let turns = json["free"]["joints"].as_array().unwrap();
+    for (mode, turns) in turns.iter().enumerate() {
+        let slope = &shapes[12 + mode].1;
+        let ratio =
+            slope[root] - slope[root - 1] - number(turns, "1") / number(turns, "0") * slope[0];
+        assert!(ratio.abs() < 1e-6 * peak(slope), "mode {}: {ratio}", mode + 1);
+    }
+    for (name, values) in shapes[2..].iter().filter(|(name, _)| !name.ends_with("slope")) {
         assert!((values[root] - values[root - 1]).abs() < 1e-9, "{name}");
         assert!(values[0].abs() < 1e-12, "{name}");
     }

@@ -148,9 +148,51 @@ fn runs_of_an_arm_stand_side_by_side() {
     assert!(bench.read("both.html").contains("<strong>more/solved</strong>"));
     bench.refuses(3, "report solved nowhere", "nowhere");
     bench.done(&format!("solve {LINK} {MOTION} -q -o link"));
-    let other = "link: result = another, but must be a run of an arm of 2 links";
-    bench.refuses(3, "report solved link", other);
-    bench.refuses(3, "report link solved", "only runs of arms stand side by side");
+    // Beside a link it keeps what both have, and says what it leaves out.
+    bench.done("report solved link -q -o both.html");
+    let page = bench.read("both.html");
+    assert!(page.contains("of link, since it is a turning link and solved an arm"), "why");
+    let torque = figure(&page, "torque-1");
+    assert!(torque.contains("data-name=\"link\"") && torque.contains("data-name=\"solved\""));
+    assert!(!figure(&page, "torque-2").contains("data-name=\"link\""), "it has one joint");
+    assert!(!figure(&page, "tip").contains("link"), "its tip has no x and y");
+    bench.done("report link solved -q -o both.html");
+    assert!(
+        bench.read("both.html").contains("of solved, since it is an arm and link a turning link")
+    );
+}
+
+/// A figure of a page.
+fn figure<'a>(page: &'a str, id: &str) -> &'a str {
+    let figure = &page[page.find(&format!("id=\"fig-{id}\"")).unwrap()..];
+    &figure[..figure.find("</figure>").unwrap()]
+}
+
+/// Lead and lag of each joint read as its summary has them, whatever their signs.
+#[test]
+fn lead_and_lag_of_joints_are_before_or_after_the_motion_in_words() {
+    let bench = Bench::new();
+    solved(&bench, "out", "--report");
+    let page = bench.read("out/report.html");
+    let row = |name: &str| {
+        let row = &page[page.find(&format!("<th scope=\"row\">{name}</th>")).unwrap()..];
+        row[..row.find("</tr>").unwrap()].to_owned()
+    };
+    for joint in [0, 1] {
+        let of = |name: &str| bench.number("out", &format!("results/joints/{joint}/{name}"));
+        let (lead_s, lag_s) = (of("lead_s"), of("lag_s"));
+        let side = |is_before: bool| if is_before { "before" } else { "after" };
+        for (name, seconds, side) in
+            [("lead", lead_s, side(lead_s >= 0.0)), ("lag", lag_s, side(lag_s < 0.0))]
+        {
+            let text = format!(" s {side} the tip ");
+            let cells: Vec<String> = row(name).split("<td>").skip(1).map(str::to_owned).collect();
+            let (number, _) = cells[joint].split_once(&text).unwrap_or_else(|| panic!("{cells:?}"));
+            let number: f64 = number.parse().unwrap();
+            assert!((number / seconds.abs() - 1.0).abs() < 1e-3, "{name}: {number} {seconds}");
+        }
+    }
+    assert!(!page.contains("−0.") || !row("lead").contains('−'), "no signs");
 }
 
 #[test]

@@ -58,7 +58,7 @@ fn assert_row(bench: &Bench, names: &[String], row: &[String], tolerance: f64) {
         }
         compared += 1;
     }
-    assert_eq!(compared, 1 + 2 * 15 + 5);
+    assert_eq!(compared, 1 + 2 * 17 + 5);
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn every_row_of_an_arm_holds_what_solve_finds_for_its_values() {
     let rows = bench.rows("sweep.csv");
     let header = rows[0].join(",");
     let first = "links.*.segments.*.EI*,zero_1_per_s,peak_torque1_n_m,rms_torque1_n_m,\
-                 peak_rigid_torque1_n_m,torque_ratio1,lead1_s,lag1_s,peak_hub_rate1_rad_s,\
+                 peak_rigid_torque1_n_m,torque_ratio1,lead1_s,lag1_s,peak_hub_angle1_rad,peak_hub_rate1_rad_s,peak_hub_acceleration1_rad_s2,\
                  peak_power1_w,peak_root_moment1_n_m,peak_deflection1_m,rms_power1_w,\
                  peak_motor_torque1_n_m,rms_motor_torque1_n_m,peak_motor_rate1_rad_s,peak_motor_power1_w,peak_torque2_n_m,";
     let last = ",peak_motor_power2_w,contraction,tip_error,mesh_error,window_error,\
@@ -96,7 +96,8 @@ fn a_factor_on_the_duration_is_a_path_with_scaled_times() {
     });
     solve(&bench, "slow.csv");
     assert_row(&bench, &rows[0], &rows[2], 1e-6);
-    let [fast, slow] = [1, 2].map(|row: usize| rows[row][8].parse::<f64>().unwrap());
+    let rates = bench.cells("sweep.csv", "peak_hub_rate1_rad_s");
+    let [fast, slow] = [0, 1].map(|case: usize| rates[case].parse::<f64>().unwrap());
     assert!(slow < 0.9 * fast, "{slow} {fast}");
     swept(&bench, "--vary duration*=1 --scale-duration 1.25 -o shared.csv");
     assert_eq!(bench.rows("shared.csv")[1][1..], rows[2][1..]);
@@ -138,11 +139,35 @@ fn the_page_of_an_arms_sweep_has_a_figure_for_each_joint() {
     let stiffness = "--vary links.*.segments.*.EI*=1,4";
     swept(&bench, &format!("{stiffness} --vary duration*=1,1.5"));
     bench.done("report sweep.csv -q --svg maps");
-    let topics = ["deflection", "lag", "lead", "peak-torque", "torque-ratio"];
+    let topics = [
+        "lag",
+        "lead",
+        "peak-deflection",
+        "peak-hub-rate",
+        "peak-power",
+        "peak-root-moment",
+        "peak-torque",
+        "torque-ratio",
+    ];
     let of_joints = |topic: &&str| [1, 2].map(|joint| format!("{topic}-joint-{joint}.svg"));
-    let expected: Vec<String> = topics.iter().flat_map(of_joints).collect();
+    let mut expected: Vec<String> = topics.iter().flat_map(of_joints).collect();
+    // The arm has limits, and a motor at its second joint.
+    let of_motor = ["power", "rate", "torque"].map(|own| format!("peak-motor-{own}-joint-2.svg"));
+    expected.extend(of_motor.into_iter().chain(["feasible.svg".to_owned()]));
+    expected.sort();
     assert_eq!(bench.names("maps"), expected);
     assert!(bench.read("maps/lead-joint-2.svg").contains("Lead, joint 2, over two values"));
+    // A limit of one joint hatches the map of this joint alone. So does that of all limits.
+    let peak = bench.numbers("sweep.csv", "peak_hub_rate2_rad_s");
+    let limit = 0.5 * (peak[0] + peak[1]);
+    let limit = format!("--set links.fore.limits={{hub_rate={limit}}}");
+    swept(&bench, &format!("{stiffness} --vary duration*=1,1.5 {limit}"));
+    bench.done("report sweep.csv -q --svg maps");
+    for (figure, is_hatched) in [("peak-hub-rate-joint-2", true), ("feasible", true)] {
+        let svg = bench.read(&format!("maps/{figure}.svg"));
+        assert_eq!(svg.contains("class=\"stripes\""), is_hatched, "{figure}");
+    }
+    assert!(!bench.read("maps/peak-hub-rate-joint-1.svg").contains("class=\"stripes\""));
     swept(&bench, stiffness);
     bench.done("report sweep.csv -q --svg lines");
     // The last point of the second joint is the last row's.

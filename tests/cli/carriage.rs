@@ -586,7 +586,7 @@ fn a_page_speaks_of_force_and_carriage() {
             assert!(!text.contains(word), "{word} in {text}");
         }
     }
-    for words in ["Peak force\n", "Peak force, flexible over rigid", "Largest force"] {
+    for words in ["Peak force\n", "Force ratio\n", "Peak force at the carriage", "max |F(t)|"] {
         assert!(sweep.contains(words), "{words}: {sweep}");
     }
     for words in [

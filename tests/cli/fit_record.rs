@@ -113,10 +113,9 @@ fn what_a_record_is_not_is_refused_with_its_file() {
         bench.write("measured.toml", &RECORD.replace(from, to));
         bench.refuses(3, "fit link.toml measured.toml --free segments.0.EI", expected);
     }
-    // Names in a comment get the hint of numbers.
-    bench.write("log.csv", "#Zeit\tM\tWinkel\n0.000\t0\t0.0\n0.002\t1\t0.1\n");
+    // Names in a comment are names.
+    bench.write("log.csv", "#Zeit\tM\tWinkel\ta\n0.000\t0\t0.0\t0\n0.002\t1\t0.1\t1\n");
     bench.write("measured.toml", RECORD);
     let told = bench.error(3, "fit link.toml measured.toml --free hub.inertia");
-    assert!(told.contains("log.csv:2: columns = time=\"Zeit\", but must be one of"), "{told}");
-    assert!(told.ends_with("choose columns by number, as in time=2\n"), "{told}");
+    assert!(told.contains("log.csv: samples = 2, but must be 4 or more"), "{told}");
 }

@@ -42,6 +42,7 @@ mod rigs;
 mod robust;
 mod robust_edges;
 mod robust_report;
+mod set_points;
 mod shape;
 mod simulate;
 mod simulate_recorded;

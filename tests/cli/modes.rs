@@ -2,6 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+
 use super::{Bench, LINK, stderr, stdout};
 
 const TABLES: [&str; 4] = ["held_modes.csv", "mode_shapes.csv", "modes.csv", "zeros.csv"];
@@ -18,13 +21,89 @@ fn modes_are_printed_and_tabled() {
     assert_eq!(bench.rows("m/modes.csv")[0], COLUMNS);
     assert!((bench.numbers("m/modes.csv", "period_s")[4] - 0.024_270_99).abs() < 1e-8);
     let shapes = bench.table("m/mode_shapes.csv");
-    assert_eq!((shapes.len(), shapes[0].1.len()), (6, 11));
-    assert!(shapes[1..].iter().all(|(_, v)| v[0].abs() < 1e-12 && v[10] > 0.0));
+    assert_eq!((shapes.len(), shapes[0].1.len()), (1 + 5 * 6, 11));
+    assert!(shapes[1..6].iter().all(|(_, v)| v[0].abs() < 1e-12 && v[10] > 0.0));
     let zeros = bench.rows("m/zeros.csv");
     let [zero, lead, blocked] = ["zero_per_s", "lead_to_1_percent_s", "blocked_frequency_hz"];
     assert_eq!(zeros[0], [zero, lead, blocked, "mesh_error", "blocked_mesh_error"]);
     let [zero, lead] = [zero, lead].map(|name| bench.numbers("m/zeros.csv", name)[0]);
     assert!((zero - 12.891_475_6).abs() < 1e-6 && (zero * lead - 100.0_f64.ln()).abs() < 1e-9);
+}
+
+/// Uniform, on a pinned or a clamped root: closed forms of the displacement, its slope at the root and at the tip.
+#[test]
+fn shapes_have_the_part_of_the_hub_and_slopes_with_the_hub_free_and_held() {
+    let bench = Bench::new();
+    let uniform = "segments = [{ length = 1, EI = 1, mass_per_length = 1 }]\nmesh.elements = 60\n";
+    bench.write("link.toml", uniform);
+    bench.done("modes link.toml --count 2 -o m");
+    let shape = |name: &str| bench.numbers("m/mode_shapes.csv", name);
+    let (x, last) = (shape("x_m"), 60);
+    let b = 3.926_602_312_047_919_f64;
+    let slope = b * (1.0 / b.sin() + 1.0 / b.sinh());
+    assert!((shape("mode_1_slope")[0] / slope - 1.0).abs() < 1e-6);
+    for (node, rigid) in shape("mode_1_rigid").into_iter().enumerate() {
+        assert!((rigid - slope * x[node]).abs() < 1e-6, "node {node}: {rigid}");
+    }
+    let at_tip = b * (b.cos() / b.sin() + b.cosh() / b.sinh());
+    assert!((shape("mode_1_slope")[last] / at_tip - 1.0).abs() < 1e-6);
+    // Mass-normalised, the tip of each clamped mode moves by 2.
+    assert!((shape("held_2")[last] - 2.0).abs() < 1e-6);
+    assert!(
+        shape("held_2_rigid").iter().chain([&shape("held_2_slope")[0]]).all(|v| v.abs() < 1e-9)
+    );
+    let b = 4.694_091_133_f64;
+    let steep = (b.cos() + b.cosh()) / (b.sin() + b.sinh());
+    let tip = b * (b.sin() + b.sinh() - steep * (b.cosh() - b.cos()));
+    let sign = (b.cosh() - b.cos() - steep * (b.sinh() - b.sin())).signum();
+    assert!((shape("held_2_slope")[last] / (sign * tip) - 1.0).abs() < 1e-5, "{tip}");
+}
+
+#[test]
+fn a_state_space_answers_as_frf_and_names_its_numbers() {
+    let bench = Bench::new();
+    let link = "segments = [{ length = 1, EI = 8, mass_per_length = 0.6 }]\nmesh.elements = 10
+hub = { inertia = 0.1, viscous_friction = 0.2 }\npayload.mass = 0.2
+damping = { model = 'rayleigh', alpha = 0.3, beta = 1e-3 }\n";
+    bench.write("link.toml", link);
+    let told = bench.told("modes link.toml --count 3 --state-space s.json --stations 50cm");
+    assert!(told.starts_with("note: s.json has 8 states, 1 input and 7 outputs: modes 0 to 3; "));
+    assert!(told.trim_end().ends_with("; D lacks the static response of the others"), "{told}");
+    let space: serde_json::Value = serde_json::from_str(&bench.read("s.json")).unwrap();
+    let names = ["hub_angle", "hub_rate", "tip_displacement", "tip_deflection", "tip_acceleration"];
+    let names = [&names[..], &["root_strain", "station1"]].concat();
+    assert_eq!(space["outputs"], serde_json::json!(names));
+    assert_eq!(space["input_units"], serde_json::json!(["N m"]));
+    let matrix = |name: &str| {
+        let rows: Vec<Vec<f64>> = serde_json::from_value(space[name].clone()).unwrap();
+        let number = |i: usize, j: usize| Complex64::from(rows[i][j]);
+        DMatrix::from_fn(rows.len(), rows[0].len(), number)
+    };
+    let [a, b, c, d] = ["A", "B", "C", "D"].map(matrix);
+    bench.done("frf link.toml --set analysis.modes=3 --from 0.1 --to 60 --points 40 -o frf.csv");
+    let of = |name: &str| {
+        let part = |part: &str| bench.numbers("frf.csv", &format!("{name}_{part}"));
+        let parts = part("real").into_iter().zip(part("imag"));
+        parts.map(|(re, im)| Complex64::new(re, im)).collect::<Vec<_>>()
+    };
+    let [tip, hub] =
+        ["tip_displacement_per_torque_1_n", "hub_angle_per_tip_displacement_rad_m"].map(of);
+    for (k, hertz) in bench.numbers("frf.csv", "frequency_hz").into_iter().enumerate() {
+        let rate = Complex64::new(0.0, TAU * hertz);
+        let left = DMatrix::from_diagonal_element(8, 8, rate) - &a;
+        let found = &c * left.lu().solve(&b).unwrap() + &d;
+        assert!((found[(2, 0)] / tip[k] - 1.0).norm() < 1e-9, "{hertz} Hz");
+        assert!((found[(0, 0)] / (hub[k] * tip[k]) - 1.0).norm() < 1e-9, "{hertz} Hz");
+    }
+    let hanging = "modes link.toml --count 2 --set gravity=[0,-9.81] --at=-1.2 --set damping.alpha=0 --residual --state-space";
+    for (file, head) in [("pose.npz", &b"PK"[..]), ("pose.mat", b"MATLAB 5.0")] {
+        bench.done(&format!("{hanging} {file}"));
+        assert!(std::fs::read(bench.path(file)).unwrap().starts_with(head), "{file}");
+    }
+    bench.refuses(2, "modes link.toml --state-space s.csv", "must end in .npz, .mat or .json");
+    bench.refuses(2, "modes link.toml --state-space s.json --stations 1.2", "--stations = 1.2 m");
+    bench.refuses(2, "modes link.toml --residual", "--state-space");
+    bench.refuses(2, "modes link.toml --state-space link.toml", "must end in");
 }
 
 #[test]

@@ -252,3 +252,62 @@ fn a_torque_that_leaves_its_neighbours_for_a_sample_is_told_and_played() {
         assert!(!found.contains("follow"), "{found}");
     }
 }
+
+/// Rows of a table of this program, with a new first field.
+fn retimed(text: &str, time: impl Fn(f64) -> String, skip: usize) -> String {
+    let row = |row: &str| {
+        let (time_s, rest) = row.split_once(',').unwrap();
+        format!("{},{rest}\n", time(time_s.parse().unwrap()))
+    };
+    text.lines().skip(1 + skip).map(row).collect()
+}
+
+#[test]
+fn options_with_the_name_of_a_table_are_for_this_table() {
+    let bench = Bench::new();
+    bench.solve("-q");
+    let play = format!("simulate {LINK} out/torque.csv -q");
+    bench.done(&format!("{play} --target out/tip.csv -o standard"));
+    let seconds = |time_s: f64| time_s.to_string();
+    let rows = retimed(&bench.read("out/tip.csv"), seconds, 0);
+    bench.write("tip.csv", &format!("Stand 3\n{rows}"));
+    let options = "--columns target:time=1,displacement=2 --skip target:1";
+    bench.done(&format!("{play} --target tip.csv {options}"));
+    assert!(bench.read("simulated/tip_error.csv") == bench.read("standard/tip_error.csv"));
+    let recorded = &bench.json("simulated/summary.json")["inputs"]["arguments"];
+    let expected = ["--columns", "target:time=1", "--columns", "target:displacement=2"];
+    let expected = [&expected[..], &["--skip", "target:1"]].concat();
+    assert_eq!(*recorded, serde_json::json!(expected));
+
+    let found = bench.error(3, &format!("{play} --target tip.csv --skip target:1"));
+    assert!(found.contains("--columns target:time=1,displacement=2"), "{found}");
+    let found = bench.error(2, &format!("solve {LINK} tip.csv --unit measured:mm"));
+    assert!(found.contains("measured is no table of this command, which reads motion"), "{found}");
+    let found = bench.error(2, &format!("solve {LINK} tip.csv --skip 1 --skip motion:2"));
+    assert!(found.contains("--skip has two values for one table"), "{found}");
+}
+
+#[test]
+fn tables_of_one_clock_keep_their_shift() {
+    let bench = Bench::new();
+    bench.solve("-q");
+    let clock = |time_s: f64| {
+        let since = 10.0 + time_s;
+        format!("10:{:02.0}:{:09.6}", (since / 60.0).floor(), since % 60.0)
+    };
+    let seconds = |time_s: f64| time_s.to_string();
+    for (name, time) in [("numbers", &seconds as &dyn Fn(f64) -> String), ("clock", &clock)] {
+        let torque = retimed(&bench.read("out/torque.csv"), time, 0);
+        bench.write("torque.csv", &format!("time,torque_n_m\n{torque}"));
+        let tip = retimed(&bench.read("out/tip.csv"), time, 200);
+        bench.write("tip.csv", &format!("time,displacement,velocity,acceleration\n{tip}"));
+        bench.done(&format!("simulate {LINK} torque.csv --target tip.csv -q -o {name}"));
+    }
+    let errors = |name: &str| -> Vec<f64> {
+        let text = bench.read(&format!("{name}/tip_error.csv"));
+        text.lines().skip(1).map(|row| row.rsplit_once(',').unwrap().1.parse().unwrap()).collect()
+    };
+    let [numbers, clock] = ["numbers", "clock"].map(errors);
+    assert_eq!(numbers.len(), clock.len());
+    assert!(numbers.iter().zip(&clock).all(|(a, b)| (a - b).abs() < 1e-8));
+}

@@ -7,6 +7,8 @@ use std::process::Stdio;
 use std::thread;
 use std::time::Duration;
 
+use flexlink::text::significant;
+
 use super::{Bench, LINK, MOTION, number, repository, stderr};
 
 const DRIVE: &str = "--set drive={joint_stiffness=100.0,rotor_inertia=0.01,gear_ratio=2.0}";
@@ -436,7 +438,8 @@ fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
     };
     sweep("one", "segments.*.EI*=1,2,4,8");
     bench.silent("report one.csv -q --svg one");
-    let names = "deflection.svg lag.svg lead.svg peak-torque.svg torque-ratio.svg";
+    let names = "lag.svg lead.svg peak-deflection.svg peak-hub-rate.svg peak-power.svg \
+                 peak-root-moment.svg peak-torque.svg torque-ratio.svg";
     assert_eq!(bench.names("one").join(" "), names);
     let svg = bench.read("one/torque-ratio.svg");
     let [factors, ratios] =
@@ -454,8 +457,8 @@ fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
     sweep("two", "segments.*.EI*=1,4 --vary payload.mass=0,0.05,0.1");
     bench.silent("report two.csv -q -o two.html");
     let page = bench.read("two.html");
-    assert_eq!(page.matches("data:image/png;base64,").count(), 5, "colour maps");
-    assert_eq!(page.matches("class=\"on-").count(), 5 * 6, "a number in each field");
+    assert_eq!(page.matches("data:image/png;base64,").count(), 8, "colour maps");
+    assert_eq!(page.matches("class=\"on-").count(), 8 * 6, "a number in each field");
     for words in
         ["Bayo (1987), example 1", "<section id=\"link\"", "0, 0.05, 0.1", "hysteretic, ratio"]
     {
@@ -469,6 +472,207 @@ fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
     assert!(svg.contains(line), "a line of its own");
     let last = [attribute(&svg, "data-x-name"), attribute(&svg, "data-x-unit")];
     assert_eq!(last, ["hub.inertia", "kg m²"]);
+}
+
+/// Columns and rows of the hatched fields of a map.
+fn hatched(svg: &str) -> HashSet<(usize, usize)> {
+    let fields = svg.split("class=\"stripes\" data-column=").skip(1);
+    let number = |text: &str, name: &str| attribute(text, name).parse().unwrap();
+    let place = |text: &str| {
+        let text = format!(" data-column={text}");
+        (number(&text, "data-column"), number(&text, "data-row"))
+    };
+    fields.map(place).collect()
+}
+
+/// The hatching is held against the numbers of the table and the limits of the command line.
+#[test]
+fn limits_of_a_sweep_are_lines_over_one_value_and_hatch_the_fields_over_two() {
+    let bench = Bench::new();
+    let limits = [("torque", 1.8, "N m"), ("hub_rate", 0.55, "rad/s"), ("deflection", 0.12, "m")];
+    let set = "--set limits={torque=1.8,hub_rate=0.55,deflection=0.12}";
+    let sweep = |name: &str, vary: &str| {
+        bench.done(&format!("sweep {LINK} {MOTION} -q -o {name}.csv {set} {vary}"));
+        bench.done(&format!("report {name}.csv -q --svg {name}"));
+    };
+    let column = |table: &str, key: &str, unit: &str| {
+        let unit = match unit {
+            "N m" => "n_m",
+            "rad/s" => "rad_s",
+            unit => unit,
+        };
+        bench.numbers(&format!("{table}.csv"), &format!("peak_{key}_{unit}"))
+    };
+    sweep("one", "--vary segments.*.EI*=1,1.5,8");
+    let mut shares = bench.read("one/feasible.svg");
+    assert!(points(&shares, "limit 1").iter().all(|(_, share)| (share - 1.0).abs() < 1e-3));
+    for (key, limit, unit) in limits {
+        let svg = bench.read(&format!("one/peak-{}.svg", key.replace('_', "-")));
+        let line = points(&svg, &format!("limit {limit} {unit}"));
+        let off = |(_, value): &(f64, f64)| (value - limit).abs();
+        assert!(line.len() == 2 && line.iter().all(|point| off(point) < 1e-3), "{key}: {line:?}");
+        let line = points(&shares, &key.replace('_', " "));
+        for ((_, share), value) in line.iter().zip(column("one", key, unit)) {
+            assert!((share - value / limit).abs() < 3e-3, "{key}: {share}");
+        }
+    }
+
+    let stiffness = [1.0, 1.5, 8.0];
+    let masses = [0.0, 0.1];
+    sweep("two", "--vary segments.*.EI*=1,1.5,8 --vary payload.mass=0,0.1");
+    let mut any = HashSet::new();
+    let mut most: Vec<(f64, &str)> = vec![(0.0, ""); stiffness.len() * masses.len()];
+    for (key, limit, unit) in limits {
+        let values = column("two", key, unit);
+        // The last value varies fastest.
+        let place = |case: usize| (case / masses.len(), case % masses.len());
+        let over = (0..values.len()).filter(|case| values[*case] > limit).map(place);
+        let over: HashSet<(usize, usize)> = over.collect();
+        let svg = bench.read(&format!("two/peak-{}.svg", key.replace('_', "-")));
+        assert_eq!(hatched(&svg), over, "{key}");
+        assert!(
+            over.is_empty() || svg.contains(&format!("over the limit {limit} {unit}")),
+            "{key}"
+        );
+        any.extend(over);
+        for (most, value) in most.iter_mut().zip(values) {
+            if value / limit > most.0 {
+                *most = (value / limit, key);
+            }
+        }
+    }
+    shares = bench.read("two/feasible.svg");
+    assert_eq!(hatched(&shares), any, "some limit");
+    assert!(!any.is_empty() && any.len() < most.len(), "{most:?}");
+    for (key, ..) in limits {
+        let times = most.iter().filter(|(_, own)| *own == key).count();
+        let words = format!("{} in {times}", key.replace('_', " "));
+        assert_eq!(shares.contains(&words), times > 0, "{words}");
+    }
+    let told: Vec<f64> = shares
+        .split("text-anchor=\"middle\">")
+        .filter(|text| text.contains("</g>") || text.contains("on-light"))
+        .filter_map(|text| text.split('<').next()?.parse().ok())
+        .collect();
+    for (share, _) in &most {
+        assert!(told.iter().any(|own| (own - share).abs() < 0.006 * share), "{share}: {told:?}");
+    }
+    // A limit that is varied has no line, but the cases over it are hatched all the same.
+    bench.done(&format!(
+        "sweep {LINK} {MOTION} -q -o varied.csv --vary limits.torque=1,2 --vary payload.mass=0,0.1"
+    ));
+    bench.done("report varied.csv -q --svg varied");
+    let svg = bench.read("varied/peak-torque.svg");
+    let peaks = bench.numbers("varied.csv", "peak_torque_n_m");
+    let over = (0..4).filter(|case| peaks[*case] > [1.0, 2.0][case / 2]);
+    let axis = attribute(&svg, "data-x-name") == "limits.torque";
+    let place = |case: usize| if axis { (case / 2, case % 2) } else { (case % 2, case / 2) };
+    assert_eq!(hatched(&svg), over.map(place).collect(), "{peaks:?}");
+    assert!(svg.contains("Its limit is among the varied values"));
+}
+
+/// Even if its lines are too many, and of a quantity without a figure otherwise.
+#[test]
+fn the_exceeded_quantity_of_a_sweep_is_drawn_whatever_else_is_not() {
+    let bench = Bench::new();
+    let vary =
+        "--vary segments.*.EI*=1,2,4 --vary payload.mass=0,0.05,0.1 --vary hub.inertia=0.1,0.2,0.3";
+    let sweep = |more: &str| {
+        bench.done(&format!("sweep {LINK} {MOTION} -q -o sweep.csv {vary} {more}"));
+        bench.done("report sweep.csv -q --svg figures");
+        bench.numbers("sweep.csv", "peak_hub_acceleration_rad_s2")
+    };
+    let peaks = sweep("");
+    assert!(!bench.path("figures/peak-hub-acceleration.svg").exists(), "it has no limit");
+    let mut sorted = peaks.clone();
+    sorted.sort_by(f64::total_cmp);
+    let limit = (50.0 * (sorted[11] + sorted[12])).round() / 100.0;
+    assert!(sorted[11] < limit && limit < sorted[12], "{sorted:?}");
+    sweep(&format!("--set limits.hub_acceleration={limit}"));
+    let svg = bench.read("figures/peak-hub-acceleration.svg");
+    let over = points(&svg, &format!("over the limit {limit} rad/s²"));
+    let within = points(&svg, "within the limit");
+    assert_eq!((over.len(), within.len()), (15, 12));
+    assert!(over.iter().all(|(_, value)| *value > limit * 0.999));
+    assert!(within.iter().all(|(_, value)| *value < limit * 1.001));
+}
+
+/// The lines of each run are its tables, the numbers those of its summary.
+#[test]
+fn runs_of_links_stand_side_by_side() {
+    let bench = Bench::new();
+    let second = repository("specs/bayo1987_example2.toml");
+    solved(&bench, "");
+    fs::rename(bench.path("out"), bench.path("first")).unwrap();
+    bench.done(&format!("solve {second} {MOTION} -q -o second"));
+    let told = bench.silent("report first second -o both.html --svg figures");
+    assert!(told.ends_with("written  both.html\n"), "{told}");
+    for (figure, file, column) in
+        [("torque", "torque", 1), ("hub-angle", "hub_angle", 1), ("tip-displacement", "tip", 1)]
+    {
+        for run in ["first", "second"] {
+            assert_rows(&bench, (figure, run), (&format!("{run}/{file}.csv"), column), 3e-3);
+        }
+    }
+    let page = bench.read("both.html").replace("&#39;", "'");
+    for run in ["first", "second"] {
+        for (name, unit) in [("peak_torque_n_m", "N m"), ("peak_deflection_m", "m")] {
+            let peak = bench.number(run, &format!("results/{name}"));
+            let cell = format!(">{} {unit}</span></td>", significant(peak, 4));
+            assert!(page.contains(&cell), "{run}: {cell}");
+        }
+    }
+    for words in [
+        "link, which differ",
+        "bayo1987_example2.toml (",
+        "<th scope=\"row\">motion</th>",
+        "since these figures hold one",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    // Open beside closed loop, with another payload: the error is that from the tip of the solved run.
+    let play = format!("simulate {LINK} first/torque.csv -q --set payload.mass=0.05");
+    bench.done(&format!("{play} -o open"));
+    bench.done(&format!("{play} --feedback 20,5 --reference first/hub_angle.csv -o closed"));
+    bench.done("report first open closed -q --svg figures -o loops.html");
+    let svg = bench.read("figures/tip-error.svg");
+    let [times, wanted] = [0, 1].map(|column| bench.table("first/tip.csv")[column].1.clone());
+    for run in ["open", "closed"] {
+        let tip = bench.table(&format!("{run}/tip.csv"));
+        let shown = points(&svg, run);
+        assert!(shown.len() > 300, "{run}: {}", shown.len());
+        for (time_s, error) in shown.iter().step_by(7) {
+            let row = tip[0].1.partition_point(|time| *time < time_s - 0.0005);
+            let at = times.partition_point(|time| *time < time_s - 0.0005).min(times.len() - 1);
+            let exact = tip[1].1[row] - wanted[at] - (tip[1].1[0] - wanted[0]);
+            assert!((error - exact).abs() < 3e-4, "{run} at {time_s} s: {error} {exact}");
+        }
+    }
+    // A carriage has no torque, but its tip moves along the same axis.
+    let carriage = repository("specs/carriages/strip_on_cart.toml");
+    bench.run(&format!("solve {carriage} {MOTION} -q -o slides"));
+    bench.done("report first slides -q -o both.html");
+    let page = bench.read("both.html");
+    assert!(
+        page.contains("the joint of slides, since it is a sliding link and first a turning link")
+    );
+    let figure = |id: &str| {
+        let found = &page[page.find(&format!("id=\"fig-{id}\"")).unwrap()..];
+        found[..found.find("</figure>").unwrap()].to_owned()
+    };
+    assert!(!figure("torque").contains("data-name=\"slides\""));
+    assert!(figure("tip-displacement").contains("data-name=\"slides\""));
+    // The numbers of a hub keep their words on the page of a carriage.
+    bench.done("report slides first -q -o both.html");
+    let page = bench.read("both.html");
+    for name in ["peak torque", "peak force"] {
+        assert!(page.contains(&format!("<span class=\"own\">{name}</span>")), "{name}");
+    }
+    assert!(
+        page.contains("the joint of first, since it is a turning link and slides a sliding link")
+    );
+    bench.done("report first first -q -o both.html");
+    assert!(bench.read("both.html").contains("<strong>first (2)</strong>"));
 }
 
 #[test]

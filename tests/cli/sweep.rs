@@ -24,7 +24,8 @@ fn every_row_holds_what_solve_finds_for_its_values() {
     let rows = bench.rows("sweep.csv");
     let header = "segments.*.EI*,payload.mass [g],period_1_s,zero_1_per_s,peak_torque_n_m,\
                   rms_torque_n_m,peak_rigid_torque_n_m,torque_ratio,lead_s,lag_s,\
-                  peak_hub_rate_rad_s,peak_power_w,peak_root_moment_n_m,peak_deflection_m,\
+                  peak_hub_angle_rad,peak_hub_rate_rad_s,peak_hub_acceleration_rad_s2,\
+                  peak_power_w,peak_root_moment_n_m,peak_deflection_m,\
                   rms_power_w,band_hz,tip_error,torque_mesh_error,torque_window_error,\
                   torque_model_error,tip_model_error,warnings,error";
     assert_eq!(rows[0].join(","), header);
@@ -34,7 +35,7 @@ fn every_row_holds_what_solve_finds_for_its_values() {
         let mass = format!("payload.mass={} g", row[1]);
         bench.solve(&["--set", &format!("segments.*.EI*={}", row[0]), "--set", &mass]);
         let summary = bench.json("out/summary.json");
-        for (name, field) in rows[0].iter().zip(row).skip(2).take(19) {
+        for (name, field) in rows[0].iter().zip(row).skip(2).take(21) {
             let path = match name.as_str() {
                 "period_1_s" => "periods_s/0",
                 "zero_1_per_s" => "zeros_per_s/0",
@@ -180,7 +181,8 @@ fn one_torque_on_many_links_tells_how_far_each_tip_strays() {
     swept(&bench, "--vary segments.*.EI*=1,1.1 --torque out/torque.csv --outputs played");
     let header = "segments.*.EI*,period_1_s,zero_1_per_s,tip_error_m,tip_error_share,\
                   tip_error_time_s,rms_tip_error_m,final_tip_error_m,residual_m,residual_share,\
-                  residual_frequency_hz,residual_decay_s,peak_hub_rate_rad_s,peak_power_w,\
+                  residual_frequency_hz,residual_decay_s,peak_hub_angle_rad,peak_hub_rate_rad_s,\
+                  peak_hub_acceleration_rad_s2,peak_power_w,\
                   peak_deflection_m,tip_model_error,deflection_model_error,warnings,error";
     assert_eq!(bench.rows("sweep.csv")[0].join(","), header);
     // What simulate finds against the same target.

@@ -79,10 +79,17 @@ const INSTRUMENTS: [(&str, &str, f64, &str, &str); 12] = [
         "numpy_savetxt.txt",
         "--columns time=1,displacement=2",
         1e-9,
-        "blanks as delimiter, time from column 1, displacement from column 2 in m",
+        "names from line 1 in a comment, blanks as delimiter, time from column 1 \"t\", displacement from column 2 \"x\" in \
+         m",
         "",
     ),
-    ("numpy_savetxt.csv", "--columns time=1,displacement=3", 1e-9, "", ""),
+    (
+        "numpy_savetxt.csv",
+        "--columns time=1,displacement=3",
+        1e-9,
+        "names from line 1 in a comment, time from column 1, displacement from column 3 in m",
+        "",
+    ),
     (
         "encoder.csv",
         "--scale displacement=1e-5",

@@ -43,7 +43,7 @@ fn samples_at_jittered_times_are_interpolated() {
     let hub = hubs.remove(0);
     is_sine(hub.angle_rad(), reading.jitter());
     let text = table("displacement", 0.04);
-    let (target, reading) = read_target("d.csv", text.as_bytes(), &link()).unwrap();
+    let (target, reading) = read_target("d.csv", text.as_bytes(), &link(), &form).unwrap();
     is_sine(target.displacement_m(), reading.jitter());
     assert!((target.grid().end_s() - 1.0).abs() < 1e-12);
 }
@@ -58,7 +58,9 @@ fn uniform_times_are_left_alone_and_more_jitter_is_refused() {
         let text = table(heading, 0.2);
         let error = match heading {
             "torque" => read_torque_table("t.csv", text.as_bytes(), None).unwrap_err(),
-            _ => read_target("t.csv", text.as_bytes(), &link()).unwrap_err(),
+            _ => {
+                read_target("t.csv", text.as_bytes(), &link(), &TableFormat::default()).unwrap_err()
+            }
         };
         assert!(error.to_string().contains("time = "), "{error}");
     }

@@ -3,6 +3,7 @@
 mod instruments;
 mod jittered_times;
 mod link_file;
+mod loggers;
 mod reference_files;
 mod refused_arms;
 mod refused_tables;

@@ -22,6 +22,8 @@ pub(crate) fn format_of(words: &str) -> TableFormat {
             "skip" => format.skip = value.parse().unwrap(),
             "unit" => format.unit = Some(value.parse().unwrap()),
             "time-unit" => format.time_unit = Some(value.parse().unwrap()),
+            "sample-rate" => format.sample_rate = Some(value.parse().unwrap()),
+            "resample" => format.resample_s = Some(value.parse().unwrap()),
             "decimal" => format.decimal = Some(value.parse().unwrap()),
             _ => format.delimiter = Some(value.parse().unwrap()),
         }

@@ -47,13 +47,13 @@ fn a_file_that_is_not_there_and_a_folder_are_told_in_the_systems_words() {
 }
 
 #[test]
-fn utf_16_is_refused_with_and_without_its_mark() {
+fn utf_16_is_refused_unless_it_is_a_table_with_its_mark() {
     const HINT: &str = "\nhint: it seems to be UTF-16: save the file as text in UTF-8\n";
     let bench = Bench::new();
     let name = ":1: column 1 = \"t\\0i\\0m\\0e\\0\", but must be one of time";
     for (text, reader, messages) in [
         (link(""), 0, [": cannot read: not UTF-8 from byte 1 on", ":1: key with no value"]),
-        (bench.read("motion.csv"), 1, [":1: text = byte 0xff, but must be UTF-8", name]),
+        (bench.read("motion.csv"), 1, ["", name]),
     ] {
         for (file, mark, message) in
             [("marked", "\u{feff}", messages[0]), ("bare", "", messages[1])]
@@ -62,6 +62,11 @@ fn utf_16_is_refused_with_and_without_its_mark() {
             let bytes: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
             bench.write(file, bytes);
             let arguments = &readers(file)[reader];
+            if message.is_empty() {
+                assert!(bench.told(arguments).contains("read UTF-16 as encoding"));
+                std::fs::remove_dir_all(bench.path("out")).unwrap();
+                continue;
+            }
             bench.refuses(arguments, REFUSED, &format!("{file}{message}"));
             bench.refuses(arguments, REFUSED, HINT);
         }
@@ -77,7 +82,7 @@ fn a_compressed_file_or_a_spreadsheet_is_told_to_be_one() {
         ("motion.xlsx", &b"PK\x03\x04\x14\0\x06\0\x08\0\0\0!\0\xdf\xa4"[..], sheet),
         ("stored.zip", b"PK\x03\x04\n\0\0\0\0\0motion.csvtime,acceleration\n", sheet),
         ("motion.csv.gz", b"\x1f\x8b\x08\0\0", gzip),
-        ("other", b"caf\xe9", "save the file as text in UTF-8"),
+        ("other", b"caf\x81", "save the file as text in UTF-8"),
     ] {
         bench.write(name, bytes);
         for arguments in &readers(name)[..3] {

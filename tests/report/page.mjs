@@ -124,7 +124,7 @@ async function order(page, name) {
     const captions = await page.$$eval("figcaption", (all) => all.map((caption) => caption.textContent).join(" "));
     must(!/of the paper|\(figures? \d/.test(captions), captions);
     const named = captions.match(/Bayo 1987, figure \d/g) || [];
-    must((name === "paper/report.html") === (named.length === 5), `${named.length} figures: ${named.join(", ")}`);
+    must(["paper/report.html", "beside.html"].includes(name) === (named.length === 5), `${named.length} figures: ${named.join(", ")}`);
     return named.join(", ");
   });
   await check("every figure has its formula in a fold, and the glossary its words", async () => {
@@ -272,6 +272,15 @@ async function particulars(page, name) {
     for (const line of ["fig-tip-displacement wanted", "fig-tip-error simulated less wanted", "fig-torque limit 1.2 N m", "fig-tip-deflection limit 0.2 m"])
       must(lines.includes(line), `${line} is not among ${lines.join(", ")}`);
   });
+  if (name === "beside.html") await check("two runs have their lines in one figure, and their numbers in one table", async () => {
+    for (const id of ["fig-torque", "fig-tip-displacement", "fig-hub-angle"]) {
+      const lines = await page.$$eval(`#${id} .zoom .line`, (all) => all.map((line) => line.dataset.name));
+      for (const run of ["paper", "played"]) must(lines.includes(run), `${id}: ${lines}`);
+    }
+    const head = await page.$$eval("#beside table:first-of-type thead th", (all) => all.map((cell) => cell.textContent));
+    must(head.join().startsWith("quantity,paper,played"), head.join());
+    must((await seen("#figures")).join().includes("since these figures hold one"), "it hides what stands alone");
+  });
   if (name === "fit.html") await check("measured dots are seen beside the line of the fitted link", async () => {
     const widths = await page.$$eval("#fig-overlay-1 .zoom :is(.dots, .thin)", (all) => all.map((line) => [line.classList[0], parseFloat(getComputedStyle(line).strokeWidth)]));
     must(widths.length === 2 && widths[0][0] === "dots" && widths[0][1] > 3 * widths[1][1], JSON.stringify(widths));
@@ -285,6 +294,11 @@ async function particulars(page, name) {
     for (const [section, text] of [["warnings", "inexact model"], ["link", "hysteretic, ratio 0.02"], ["varied", "payload.mass in kg"], ["inputs", "bayo1987_example1.toml"]])
       must((await seen(`#${section}`)).join().includes(text), `${section} lacks ${text}`);
     must((await seen("h1")).join().includes("Bayo (1987), example 1"), "the heading lacks the link");
+    for (const [id, limit] of [["fig-peak-torque", 1.8], ["fig-peak-deflection", 0.2], ["fig-feasible", 1]]) {
+      const over = (await page.$$eval(`#${id} .fields text`, (all) => all.map((text) => +text.textContent))).filter((value) => value > limit).length;
+      const hatched = await page.$$eval(`#${id} .hatch .stripes[data-row]`, (all) => all.filter((path) => getComputedStyle(path).stroke !== "none").length);
+      must(over > 0 && over < 15 && hatched === over, `${id}: ${hatched} hatched, ${over} over ${limit}`);
+    }
     must((await page.$$("#link svg .segment")).length === 2, "the link is not drawn");
   });
 }

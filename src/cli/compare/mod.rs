@@ -8,6 +8,7 @@ use clap::Args;
 
 use crate::compare::{ColumnRule, Comparison, Tolerances};
 use crate::csv::InputFile;
+use crate::result::Notice;
 use crate::spec::read_tolerances;
 use crate::store::{GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run};
 use crate::text::excerpt;
@@ -50,7 +51,7 @@ const QUIET: &str = "Print nothing but warnings and errors; the exit code says i
 #[command(about = "Compare tables column by column", after_help = EXAMPLE)]
 #[command(mut_arg("json", |json| json.help("Print everything as JSON instead of the table")))]
 #[command(mut_arg("quiet", |quiet| quiet.help(QUIET)))]
-pub(crate) struct Compare {
+pub struct Compare {
     /// Golden file or folder: what is expected.
     #[arg(value_name = "EXPECTED")]
     expected: PathBuf,
@@ -91,25 +92,42 @@ pub(crate) struct Compare {
     warnings: WarningArgs,
 }
 
+/// A comparison, and its effect on EXPECTED.
+pub struct Compared {
+    pub comparison: Comparison,
+    /// The changes of EXPECTED, if it accepts ACTUAL.
+    pub changes: Option<GoldenChanges>,
+    /// Warnings of tolerances without effect, and of a run that no longer matches its summary.
+    pub warnings: Vec<Notice>,
+}
+
 impl Compare {
     pub(crate) fn run(self) -> Result<Ending, Failure> {
-        let sides = self.sides()?;
-        let tolerances = self.read_tolerances(&sides)?;
-        let comparison = sides.compare(&tolerances)?;
-        let mut warnings = self.warn(&sides, &comparison, &tolerances);
-        let changes = self.bless.then(|| sides.changes(&comparison)).transpose()?;
-        if let Some(changes) = &changes {
-            self.accept(&sides, changes)?;
-            warnings += self.warn_of_run(&sides, changes);
-        }
+        let Compared { comparison, changes, warnings } = self.compared()?;
+        let warned = warnings.len();
+        console::warnings(warnings);
         let told = |changes| blessed_text(&self.expected, changes);
         let blessed = || changes.as_ref().map(told).unwrap_or_default();
         self.print.print(
             || comparison_json(&comparison, changes.as_ref()),
             || comparison_text(&comparison) + &blessed(),
         )?;
-        self.warnings.refuse(warnings)?;
+        self.warnings.refuse(warned)?;
         Ok(if self.bless || comparison.is_equal() { Ending::Done } else { Ending::Different })
+    }
+
+    /// Compares both sides, and accepts ACTUAL if the options say so.
+    pub fn compared(&self) -> Result<Compared, Failure> {
+        let sides = self.sides()?;
+        let tolerances = self.read_tolerances(&sides)?;
+        let comparison = sides.compare(&tolerances)?;
+        let mut warnings = self.warnings_of(&sides, &comparison, &tolerances);
+        let changes = self.bless.then(|| sides.changes(&comparison)).transpose()?;
+        if let Some(changes) = &changes {
+            self.accept(&sides, changes)?;
+            warnings.extend(self.warning_of_run(&sides, changes));
+        }
+        Ok(Compared { comparison, changes, warnings })
     }
 
     /// Finds the files of both sides.
@@ -152,34 +170,35 @@ impl Compare {
         }
     }
 
-    /// Warns if one table of a run was replaced; returns the number of warnings.
-    fn warn_of_run(&self, sides: &Sides, changes: &GoldenChanges) -> usize {
+    /// The warning of a replaced table of a run.
+    fn warning_of_run(&self, sides: &Sides, changes: &GoldenChanges) -> Option<Notice> {
         let file = Path::new(".").join(&self.expected);
         let is_of_run =
             file.parent().is_some_and(is_run) && file.file_name().is_some_and(is_result_file);
         if !sides.are_single() || changes.written.is_empty() || !is_of_run {
-            return 0;
+            return None;
         }
         let message = format!(
             "{}: no longer matches the summary.json beside it: solve --repeat of the folder finds a difference",
             self.expected.display()
         );
-        console::warning(
-            message,
-            "compare the two folders with --bless, which copies the whole run",
-        );
-        1
+        let hint = "compare the two folders with --bless, which copies the whole run";
+        Some(Notice::new("run_changed", message, hint))
     }
 
-    /// Warns of tolerances that have no effect; returns the number of warnings.
-    fn warn(&self, sides: &Sides, comparison: &Comparison, tolerances: &Tolerances) -> usize {
+    /// Warnings of tolerances that have no effect.
+    fn warnings_of(
+        &self,
+        sides: &Sides,
+        comparison: &Comparison,
+        tolerances: &Tolerances,
+    ) -> Vec<Notice> {
         let is_meant = |entry: &&ColumnRule| {
             let mut files = comparison.files.iter();
             !sides.are_single() || files.any(|file| entry.is_of(&file.name))
         };
         let idle = comparison.idle(tolerances);
-        let idle: Vec<&ColumnRule> = idle.into_iter().filter(is_meant).collect();
-        for entry in &idle {
+        let idle = idle.into_iter().filter(is_meant).map(|entry| {
             let ColumnRule { place, column, file, .. } = entry;
             let message = match file.as_ref().map(|file| excerpt(file)) {
                 Some(file) if !comparison.files.iter().any(|own| entry.is_of(&own.name)) => {
@@ -191,13 +210,13 @@ impl Compare {
                     format!("{place}: column = {column:?}{file}, but no column is called that")
                 }
             };
-            console::warning(message, "`*` stands for any text, `?` for one character");
-        }
-        for inner in &sides.unread_tolerances {
-            let path = self.expected.join(inner);
-            let message = format!("{}: is not read", path.display());
-            console::warning(message, "move its entries to tolerances.toml of EXPECTED");
-        }
-        idle.len() + sides.unread_tolerances.len()
+            Notice::new("idle_tolerance", message, "`*` stands for any text, `?` for one character")
+        });
+        let unread = sides.unread_tolerances.iter().map(|inner| {
+            let message = format!("{}: is not read", self.expected.join(inner).display());
+            let hint = "move its entries to tolerances.toml of EXPECTED";
+            Notice::new("unread_tolerances", message, hint)
+        });
+        idle.chain(unread).collect()
     }
 }

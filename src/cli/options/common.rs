@@ -10,7 +10,7 @@ use clap::Args;
 use crate::beam::{MeshPlan, node_at};
 use crate::csv::Digits;
 use crate::link::Arm;
-use crate::numeric::{Dimension, parse_quantity};
+use crate::numeric::{Dimension, parse_hertz, parse_quantity};
 use crate::spec::Specification;
 use crate::store::{Durability, OutputFolder, RunOutputs, STATIONS};
 use crate::text::plain;
@@ -37,6 +37,11 @@ pub struct NodeArgs {
 }
 
 impl NodeArgs {
+    /// The nodes at these places in m, in every row.
+    pub(crate) fn at(stations_m: Vec<f64>) -> Self {
+        Self { list: None, stations_m, every: NonZeroUsize::MIN }
+    }
+
     /// Arguments for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let list = self.list.as_deref().map(|nodes| {
@@ -188,6 +193,12 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
 /// Parses a finite number in SI, or one with its unit.
 pub(crate) fn quantity(text: &str, dimension: Dimension) -> Result<f64, String> {
     finite(text).or_else(|_| parse_quantity(text, dimension).map_err(|error| error.to_string()))
+}
+
+/// Parses a frequency in Hz, or with its unit.
+pub(crate) fn hertz(text: &str) -> Result<f64, String> {
+    let must = || "must be a number of Hz, or a frequency such as '2 kHz'".to_owned();
+    finite(text).ok().or_else(|| parse_hertz(text)).ok_or_else(must)
 }
 
 /// Parses a length in m, or with its unit.

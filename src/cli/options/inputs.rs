@@ -4,15 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::common::{finite, option};
+use super::common::{finite, hertz, option, quantity};
+use super::reading::{ReadArgs, Step, TableName};
 use crate::cli::terminal::{Exit, Failure, console};
-use crate::csv::{
-    ColumnChoice, ColumnScale, Decimal, Delimiter, InputFile, MotionTable, Reading, SampleRows,
-    TableFormat, UnitName, read_motion_table_as,
-};
+use crate::csv::{InputFile, MotionTable, Reading, SampleRows, TableFormat, read_motion_table_as};
 use crate::link::{Arm, Link};
 use crate::motion::{Ends, Motion, MotionError, MotionScale};
-use crate::numeric::{Dimension, parse_quantity};
+use crate::numeric::Dimension;
 use crate::spec::{Override, SpecError, Specification, read_specification};
 use crate::text::plain;
 
@@ -107,22 +105,23 @@ pub(crate) fn warn_of_gravity(link: &Link, of_carriage: &str) -> usize {
 /// The step of a trajectory, and what its samples are worth.
 #[derive(Debug, Args)]
 pub struct ResampleArgs {
-    /// Make the trajectory uniform by a cubic spline, at this step in s.
-    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
-    resample: Option<f64>,
+    /// Make the trajectory uniform by a cubic spline, at this step in s or with its unit, as in "10 ms". Rows without a
+    /// value and rows that repeat a time are left out and counted.
+    #[arg(long, value_name = "STEP", allow_hyphen_values = true)]
+    resample: Option<Step>,
 
     /// Replace samples that do not follow their neighbours by the values that these predict, and count them.
     #[arg(long)]
     drop_outliers: bool,
 
-    /// Standard deviation of the noise of a displacement or of an arm's path, in m or with its unit, as in "0.1 mm": the
-    /// tip follows the samples only as closely as the noise allows. A direction of a link has this noise over its length.
-    /// Without it the decimals of the file decide.
-    #[arg(long, value_name = "VALUE", value_parser = length, allow_negative_numbers = true)]
-    noise: Option<Length>,
+    /// Standard deviation of the noise of a displacement or of an arm's path, in m or with its unit, as in "0.1 mm", or of a
+    /// motion of angles with theirs, as in 0.005deg: the tip follows the samples only as closely as the noise allows. A
+    /// direction of a link has a noise in m over its length. Without it the decimals of the file decide.
+    #[arg(long, value_name = "VALUE", value_parser = noise, allow_hyphen_values = true)]
+    noise: Option<Noise>,
 
-    /// Solve the motion up to this frequency in Hz, instead of the frequency that the tip needs.
-    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
+    /// Solve the motion up to this frequency in Hz or with its unit, instead of the frequency that the tip needs.
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowpass: Option<f64>,
 
     /// The trajectory is one cycle of a motion that repeats: its first row follows the last one, a step
@@ -174,43 +173,30 @@ pub fn are_read_alike(one: &Arm, other: &Arm) -> bool {
 }
 
 /// Options that make a motion of a file or of arrays.
-pub type MotionArgs<'a> = (&'a ReadArgs, &'a ResampleArgs, &'a ScaleArgs);
+#[derive(Debug, Args)]
+pub struct MotionArgs {
+    #[command(flatten)]
+    pub resample: ResampleArgs,
 
-/// A length above 0 as written, and in m.
-#[derive(Debug, Clone)]
-struct Length {
-    text: String,
-    metres: f64,
+    #[command(flatten)]
+    pub scale: ScaleArgs,
+
+    #[command(flatten)]
+    pub read: ReadArgs,
 }
 
-fn length(text: &str) -> Result<Length, String> {
-    let metres = match text.parse() {
-        Ok(metres) => metres,
-        Err(_) => parse_quantity(text, Dimension::LENGTH).map_err(|error| error.to_string())?,
-    };
-    if metres > 0.0 && f64::is_finite(metres) {
-        Ok(Length { text: text.to_owned(), metres })
-    } else {
-        Err("must be a length above 0".into())
+impl MotionArgs {
+    /// The options for the table of the motion.
+    pub fn format(&self) -> TableFormat {
+        let ResampleArgs { drop_outliers, resample, .. } = &self.resample;
+        let resample_s = resample.as_ref().map(|own| own.step_s);
+        let read = self.read.first(TableName::Motion);
+        TableFormat { drop_outliers: *drop_outliers, resample_s, ..read }
     }
-}
 
-fn positive(text: &str) -> Result<f64, String> {
-    finite(text)
-        .ok()
-        .filter(|number| *number > 0.0)
-        .ok_or_else(|| "must be a number above 0".into())
-}
-
-impl ResampleArgs {
     /// Reads the motion of an arm; also returns the deviations of the file from the standard form.
-    pub fn motion_of(
-        &self,
-        file: &InputFile,
-        arm: &Arm,
-        read: &ReadArgs,
-    ) -> Result<(Wanted, Reading), Failure> {
-        let (lengths_m, format) = (arm.lengths_m(), self.format(read));
+    pub fn motion_of(&self, file: &InputFile, arm: &Arm) -> Result<(Wanted, Reading), Failure> {
+        let (lengths_m, format) = (arm.lengths_m(), self.format());
         let table = read_motion_table_as(&file.shown, &file.bytes, &lengths_m, &format);
         let table = table.map_err(|error| {
             let failure = worded(error.into(), file, arm);
@@ -221,15 +207,40 @@ impl ResampleArgs {
             Failure { hint, ..failure }
         })?;
         let reading = table.reading().clone();
-        let wanted = self.motion_in(table, Some(arm));
+        let wanted = self.resample.motion_in(table, Some(arm));
         Ok((wanted.map_err(|failure| worded(failure, file, arm))?, reading))
     }
+}
 
-    /// The options for a table.
-    pub fn format(&self, read: &ReadArgs) -> TableFormat {
-        TableFormat { drop_outliers: self.drop_outliers, ..read.format() }
+/// A standard deviation above 0 as written, in m or in rad.
+#[derive(Debug, Clone)]
+struct Noise {
+    text: String,
+    deviation: f64,
+    is_angle: bool,
+}
+
+fn noise(text: &str) -> Result<Noise, String> {
+    let length = quantity(text, Dimension::LENGTH);
+    let angle = quantity(text, Dimension::NONE);
+    let (deviation, is_angle) = match (length, angle) {
+        (Ok(metres), _) => (metres, false),
+        (Err(_), Ok(radians)) => (radians, true),
+        (Err(error), Err(_)) => return Err(error),
+    };
+    if deviation > 0.0 {
+        Ok(Noise { text: text.to_owned(), deviation, is_angle })
+    } else {
+        Err("must be a length or an angle above 0".into())
     }
+}
 
+fn positive(text: &str) -> Result<f64, String> {
+    let above_zero = hertz(text).ok().filter(|number| *number > 0.0);
+    above_zero.ok_or_else(|| "must be a frequency above 0".into())
+}
+
+impl ResampleArgs {
     /// The motion of a table; without an arm, of a link without gravity.
     pub fn motion_in(&self, table: MotionTable, arm: Option<&Arm>) -> Result<Wanted, Failure> {
         let link = arm.and_then(|arm| arm.links().first()).map(|own| &own.link);
@@ -238,12 +249,16 @@ impl ResampleArgs {
             None => table,
         };
         let table = table.with_ends(self.ends());
-        let table = match self.resample {
-            Some(step_s) => table.resampled(step_s)?,
+        let table = match &self.resample {
+            Some(Step { step_s, .. }) => table.resampled(*step_s)?,
             None => table,
         };
         let table = match &self.noise {
-            Some(Length { metres, .. }) => table.with_noise(*metres)?,
+            Some(Noise { deviation, is_angle: true, .. }) => {
+                let length_m = arm.map_or(1.0, |arm| arm.lengths_m()[0]);
+                table.with_angle_noise(*deviation, length_m)?
+            }
+            Some(Noise { deviation, .. }) => table.with_noise(*deviation)?,
             None => table,
         };
         let table = match self.lowpass {
@@ -256,7 +271,7 @@ impl ResampleArgs {
 
     /// Arguments for the record.
     pub fn arguments(&self) -> Vec<String> {
-        let resample = self.resample.map(|step_s| option("--resample", step_s));
+        let resample = self.resample.as_ref().map(|step| option("--resample", step));
         let dropped = self.drop_outliers.then(|| vec!["--drop-outliers".to_owned()]);
         let noise = self.noise.as_ref().map(|noise| option("--noise", &noise.text));
         let lowpass = self.lowpass.map(|hertz| option("--lowpass", hertz));
@@ -316,81 +331,4 @@ pub fn scale_arguments(scale: MotionScale) -> Vec<String> {
     let factors = [("--scale-distance", distance), ("--scale-duration", duration)];
     let others = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
     others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
-}
-
-const READING: &str = "Reading a measured MOTION or TORQUE";
-
-/// How MOTION, or the TORQUE of `simulate`, is to be read. The file decides where an option is absent.
-#[derive(Debug, Default, Args)]
-pub struct ReadArgs {
-    /// Column of each quantity, by its number from 1 or by its heading: time=1,displacement=3 or displacement=pos;
-    /// for an arm's path x, y, angle1, angle2, … A table without headings needs the
-    /// time, too.
-    #[arg(long, help_heading = READING, value_name = "QUANTITY=COLUMN", value_delimiter = ',')]
-    columns: Vec<ColumnChoice>,
-
-    /// Unit of the times, such as ms.
-    #[arg(long, help_heading = READING, value_name = "UNIT")]
-    time_unit: Option<UnitName>,
-
-    /// Unit of the motion or the torque, such as mm, deg or 'N cm'. For an arm's path, a length is the unit of x and
-    /// y, an angle that of all directions.
-    #[arg(long, help_heading = READING, value_name = "UNIT")]
-    unit: Option<UnitName>,
-
-    /// Multiply the numbers of a quantity's column, before their unit: counts to metres,
-    /// displacement=1.5e-6.
-    #[arg(long, help_heading = READING, value_name = "QUANTITY=FACTOR", value_delimiter = ',')]
-    scale: Vec<ColumnScale>,
-
-    /// Leave out the first N lines.
-    #[arg(long, help_heading = READING, value_name = "N", default_value_t, hide_default_value = true)]
-    skip: usize,
-
-    /// Sign between the fields: `,`, `;`, tab or blanks.
-    #[arg(long, help_heading = READING, value_name = "SIGN")]
-    delimiter: Option<Delimiter>,
-
-    /// Sign before decimals: point or comma.
-    #[arg(long, help_heading = READING, value_name = "SIGN")]
-    decimal: Option<Decimal>,
-}
-
-impl ReadArgs {
-    /// The options for a table.
-    pub(crate) fn format(&self) -> TableFormat {
-        TableFormat {
-            skip: self.skip,
-            delimiter: self.delimiter,
-            decimal: self.decimal,
-            columns: self.columns.clone(),
-            scales: self.scale.clone(),
-            time_unit: self.time_unit.clone(),
-            unit: self.unit.clone(),
-            drop_outliers: false,
-        }
-    }
-
-    /// Arguments for the record.
-    pub fn arguments(&self) -> Vec<String> {
-        let columns = self.columns.iter().flat_map(|choice| option("--columns", choice));
-        let time_unit = self.time_unit.iter().flat_map(|unit| option("--time-unit", unit));
-        let unit = self.unit.iter().flat_map(|unit| option("--unit", unit));
-        let scale = self.scale.iter().flat_map(|scale| option("--scale", scale));
-        let skip = (self.skip != 0).then(|| option("--skip", self.skip));
-        let delimiter = self.delimiter.iter().flat_map(|sign| option("--delimiter", sign));
-        let decimal = self.decimal.iter().flat_map(|sign| option("--decimal", sign));
-        let columns = columns.chain(time_unit).chain(unit).chain(scale);
-        columns.chain(skip.into_iter().flatten()).chain(delimiter).chain(decimal).collect()
-    }
-}
-
-/// Prints deviations of a table from the standard form, and its unread columns.
-pub(crate) fn tell(shown: &str, reading: &Reading) {
-    if let Some(note) = reading.note() {
-        console::note(&format!("{shown}: {note}"));
-    }
-    for (remark, hint) in reading.remarks() {
-        console::remark(&format!("{shown}: {remark}"), hint);
-    }
 }

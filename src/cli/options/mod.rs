@@ -5,3 +5,4 @@ pub mod common;
 pub mod inputs;
 pub mod moves;
 pub mod play;
+pub mod reading;

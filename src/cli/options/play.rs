@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::csv::{
-    InputFile, Joints, Reading, TableError, TableFormat, read_joint_references, read_joint_torques,
-    read_record, read_recording, read_recording_as, read_target, read_tip_places,
-    read_torque_table_as,
+    ClockTime, InputFile, Joints, MotionBegins, Reading, TableError, TableFormat,
+    read_joint_references, read_joint_torques, read_record, read_recording_as, read_target,
+    read_tip_places, read_torque_table_as,
 };
 use crate::fit::RecordedInput;
 use crate::link::{Arm, ParameterError};
@@ -15,10 +15,12 @@ use crate::numeric::TimeGrid;
 use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::{SimulateFiles, read_state};
+use crate::text::plain;
 
-use super::common::{angle_rad, finite, metres, option};
-use super::inputs::{ReadArgs, tell, worded};
+use super::common::{angle_rad, metres, option, seconds};
+use super::inputs::worded;
 use super::moves::{AtRest, Begins, Moves, Moving, of_motor, under_voltages, voltage};
+use super::reading::{PlayedTables, TableName, tell};
 use crate::cli::terminal::{Exit, Failure, console};
 
 /// Quantity that moves the link: of a hub, or of a carriage.
@@ -138,9 +140,9 @@ pub(crate) struct PlayArgs {
     #[command(flatten)]
     pub(crate) moving: MovingArgs,
 
-    /// End of the simulation, in s. After the last sample of TORQUE the torque is zero; with gravity the last
+    /// End of the simulation, in s or with its unit. After the last sample of TORQUE the torque is zero; with gravity the last
     /// torque stays [default: the end of TORQUE, or of the target if that is later].
-    #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", value_parser = seconds, allow_hyphen_values = true)]
     pub(crate) until: Option<f64>,
 
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
@@ -186,12 +188,14 @@ pub(crate) struct PlayArgs {
 pub(crate) type Gains = Vec<(f64, f64)>;
 
 /// Histories that move the joints, their feedback, and their files.
-pub(crate) struct Driven {
+pub struct Driven {
     pub(crate) files: DrivenFiles,
     /// Under voltages these, as torques.
     pub(crate) moving: Moving,
     /// The feedback of each joint; empty without.
     pub(crate) feedback: Vec<Feedback>,
+    /// Instant of the time 0, of a table of dates or times of day.
+    pub(crate) since: Option<ClockTime>,
 }
 
 /// The files of what moves the joints.
@@ -233,9 +237,10 @@ impl MovingArgs {
         &self,
         path: &Path,
         arm: &Arm,
-        format: &TableFormat,
+        format_of: &dyn Fn(TableName) -> TableFormat,
     ) -> Result<Driven, Failure> {
         let joints = Joints::from(arm);
+        let format = &format_of(TableName::Torque);
         let input = InputFile::read(path)?;
         let reference = self.reference.as_deref().map(InputFile::read).transpose()?;
         let InputFile { shown, bytes, .. } = &input;
@@ -254,17 +259,28 @@ impl MovingArgs {
         };
         self.hold.refuse_jitter(&input, &reading)?;
         tell(shown, &reading);
+        let since = reading.since().cloned();
         let (mut references, mut of_reference) = (Vec::new(), None);
         if let Some((path, file)) = self.reference.as_deref().zip(reference.as_ref()) {
-            let form = TableFormat::default();
-            let (own, reading) = read_joint_references(&file.shown, &file.bytes, joints, &form)?;
-            tell(&file.shown, &reading);
+            let name = TableName::Reference;
+            let form = TableFormat { since: since.clone(), ..format_of(name) };
+            let read = read_joint_references(&file.shown, &file.bytes, joints, &form);
+            let (own, reading) = read.map_err(|error| name.refused(error.into()))?;
+            name.tell(&file.shown, &reading);
             references = own;
             of_reference = with_carriage_moved(&mut references, (arm, path), &form)?;
+            let begins = [&input.bytes, &file.bytes].map(|bytes| MotionBegins::find(bytes));
+            if begins.iter().any(Option::is_some) {
+                let shift_s = shifted(&input, file).unwrap_or(0.0);
+                let grid = moving.input().grid();
+                // Other times than these are refused later.
+                let own = references.iter().map(|own| own.on_times(&grid, shift_s));
+                references = own.collect::<Option<_>>().unwrap_or(references);
+            }
         }
         let feedback = feedback(self.feedback.as_deref(), references, arm)?;
         let files = DrivenFiles { input, of_carriage: [of_carriage, of_reference], reference };
-        Ok(Driven { files, moving, feedback })
+        Ok(Driven { files, moving, feedback, since })
     }
 
     /// Course of a torque between its samples.
@@ -441,41 +457,51 @@ impl PlayArgs {
         &self,
         arm: &Arm,
         is_large: bool,
-        read: &ReadArgs,
+        tables: &PlayedTables,
     ) -> Result<Playing, Failure> {
         self.check(arm)?;
+        tables.check()?;
         let (links, joints) = (arm.links().len(), Joints::from(arm));
         let link = arm.alone();
-        let Driven { files, moving, feedback } =
-            self.moving.load(&self.file, arm, &read.format())?;
+        let Driven { files, moving, feedback, since } =
+            self.moving.load(&self.file, arm, &|table| tables.format(table))?;
+        let format = |table| TableFormat { since: since.clone(), ..tables.format(table) };
         let open = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
         let [target_file, measured, state_file] =
             [open(&self.target)?, open(&self.measured)?, open(&self.state)?];
-        // The options of reading are those of TORQUE.
         let mut start_angle_rad = None;
         let target = target_file.as_ref().map(|file| -> Result<TipPlaces, Failure> {
+            let name = TableName::Target;
+            let form = format(name);
             let (target, reading) = match link {
                 Some(link) => {
-                    let target = read_target(&file.shown, &file.bytes, link);
+                    let target = read_target(&file.shown, &file.bytes, link, &form);
                     let (target, reading) =
-                        target.map_err(|error| worded(error.into(), file, arm))?;
+                        target.map_err(|error| name.refused(worded(error.into(), file, arm)))?;
                     start_angle_rad = target.start_angle_rad();
                     (TipPlaces::from(&target), reading)
                 }
-                None => read_tip_places(&file.shown, &file.bytes)?,
+                None => read_tip_places(&file.shown, &file.bytes, &form)
+                    .map_err(|error| name.refused(error.into()))?,
             };
-            tell(&file.shown, &reading);
-            Ok(target)
+            name.tell(&file.shown, &reading);
+            let shift_s = shifted(&files.input, file).unwrap_or(0.0);
+            let grid = TimeGrid { origin_s: target.grid.origin_s + shift_s, ..target.grid };
+            Ok(TipPlaces { grid, ..target })
         });
         let target = target.transpose()?;
         let measured = measured.map(|file| -> Result<_, Failure> {
-            let (recording, reading) = if file.bytes == files.input.bytes {
-                // The options assign the columns of this table.
-                read_recording_as(&file.shown, &file.bytes, joints, &read.format())?
-            } else {
-                read_recording(&file.shown, &file.bytes, joints)?
-            };
-            tell(&file.shown, &reading);
+            let name = TableName::Measured;
+            // One table with both has its columns from the options without a name.
+            let is_same =
+                file.bytes == files.input.bytes && tables.format(name) == TableFormat::default();
+            let own = format(if is_same { TableName::Torque } else { name });
+            let read = read_recording_as(&file.shown, &file.bytes, joints, &own);
+            let (recording, reading) = read.map_err(|error| {
+                let failure = Failure::from(error);
+                if is_same { failure } else { name.refused(failure) }
+            })?;
+            name.tell(&file.shown, &reading);
             Ok((file, recording))
         });
         let measured = measured.transpose()?;
@@ -533,6 +559,19 @@ impl PlayArgs {
         let others = until.into_iter().chain(periodic).chain(at).chain(carriage_at);
         self.moving.arguments().into_iter().chain(others.flatten()).collect()
     }
+}
+
+/// Shift in s that takes the times of a file to those of the input, where a comment says when the motion begins in one of
+/// them. Says so.
+fn shifted(input: &InputFile, file: &InputFile) -> Option<f64> {
+    let begins = [input, file].map(|own| MotionBegins::find(&own.bytes));
+    let shift_s = MotionBegins::shift_s(begins[0], begins[1])?;
+    let (shown, shift) = (&file.shown, plain(shift_s));
+    console::note(&format!(
+        "{shown}: times shifted by {shift} s, to the motion of {}",
+        input.shown
+    ));
+    Some(shift_s)
 }
 
 /// Adds the force of an arm's carriage from force.csv beside the file of the torques, unless this file has it.

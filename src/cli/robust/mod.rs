@@ -32,10 +32,9 @@ pub use self::plants::Plants;
 use super::problem::Problem;
 use super::simulate::refusal;
 use crate::cli::options::common::{SyncArgs, digits_arguments, option};
-use crate::cli::options::inputs::{
-    ChangeArgs, LINK, MOTION, MotionArgs, ReadArgs, ResampleArgs, ScaleArgs,
-};
+use crate::cli::options::inputs::{ChangeArgs, LINK, MOTION, MotionArgs};
 use crate::cli::options::play::{Gains, gains, gains_of_joints};
+use crate::cli::options::reading::TableName;
 use crate::cli::terminal::files::{keep, read_once};
 use crate::cli::terminal::text::robust_text;
 use crate::cli::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
@@ -225,13 +224,7 @@ pub struct RobustOptions {
     pub digits: Digits,
 
     #[command(flatten)]
-    resample: ResampleArgs,
-
-    #[command(flatten)]
-    scale: ScaleArgs,
-
-    #[command(flatten)]
-    read: ReadArgs,
+    pub motion: MotionArgs,
 }
 
 fn amount(text: &str) -> Result<Amount, String> {
@@ -289,7 +282,8 @@ impl Robust {
         let changes = options.changes.overrides()?;
         let (plants, specification) = options.plants((&file, changes), fit.as_ref())?;
         let motion = InputFile::read(&self.motion)?;
-        let problem = Problem::read((&file, specification), &motion, options.into())?;
+        options.motion.read.check(&[TableName::Motion])?;
+        let problem = Problem::read((&file, specification), &motion, &options.motion)?;
         let stages = self.print.stages();
         let solved = problem.solve(Analysis::clone, memory::available(), &stages)?;
         stages.at("playing plants");
@@ -363,12 +357,6 @@ impl Studied {
     /// The files of the study, with its record.
     pub fn files(&self, record: &str, digits: Digits) -> RobustFiles {
         RobustFiles::of((record, &self.summary), (&self.outcome, &self.times_s), digits)
-    }
-}
-
-impl<'a> From<&'a RobustOptions> for MotionArgs<'a> {
-    fn from(options: &'a RobustOptions) -> Self {
-        (&options.read, &options.resample, &options.scale)
     }
 }
 
@@ -575,10 +563,10 @@ impl RobustOptions {
         [
             self.changes.arguments(),
             own,
-            self.resample.arguments(),
-            self.scale.arguments(),
+            self.motion.resample.arguments(),
+            self.motion.scale.arguments(),
             digits_arguments(self.digits),
-            self.read.arguments(),
+            self.motion.read.arguments(),
         ]
         .concat()
     }
@@ -599,7 +587,7 @@ impl RobustOptions {
 
 /// The page of a study, from its files.
 fn drawn(files: &RobustFiles) -> Result<String, Failure> {
-    let study = StoredResult::Robust(Box::new(files.stored()?));
+    let study = StoredResult::Robust(vec![files.stored()?]);
     Ok(page(&study, &Figures::of(&study)))
 }
 

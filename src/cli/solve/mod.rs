@@ -2,7 +2,7 @@
 
 mod repeat;
 pub mod run;
-mod table;
+pub mod table;
 
 use std::path::PathBuf;
 
@@ -31,6 +31,8 @@ Example:
       --set 'segments.*.EI*=4' --nodes 0,5,10 --every 10
   flexlink solve link.toml lab.csv \\
       --columns time=1,displacement=3 --unit mm
+  flexlink solve link.toml motion.csv --write move.h \\
+      --with position,effort --cycle '2 ms' --window 1%
   flexlink solve --repeat out
 
 `flexlink help files` describes LINK, MOTION and measured tables; one of them \

@@ -159,7 +159,7 @@ mod tests {
     use crate::cli::Cli;
 
     /// Arguments that shape no result.
-    const OTHERS: [&str; 17] = [
+    const OTHERS: [&str; 24] = [
         "link",
         "motion",
         "output",
@@ -169,6 +169,13 @@ mod tests {
         "start_at",
         "window",
         "hold",
+        "with",
+        "side",
+        "cycle",
+        "units",
+        "counts",
+        "form",
+        "joint_names",
         "strict",
         "deny_warnings",
         "sync",

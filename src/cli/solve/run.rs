@@ -13,9 +13,8 @@ use crate::store::{
 use crate::verify::Verification;
 
 use crate::cli::options::common::{NodeArgs, digits_arguments};
-use crate::cli::options::inputs::{
-    ChangeArgs, MotionArgs, ReadArgs, ResampleArgs, ScaleArgs, specification,
-};
+use crate::cli::options::inputs::{ChangeArgs, MotionArgs, specification};
+use crate::cli::options::reading::TableName;
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::text::memory_text;
 use crate::cli::terminal::{Failure, StageBar, console, memory};
@@ -28,10 +27,7 @@ pub struct SolveOptions {
     pub changes: ChangeArgs,
 
     #[command(flatten)]
-    pub resample: ResampleArgs,
-
-    #[command(flatten)]
-    pub scale: ScaleArgs,
+    pub motion: MotionArgs,
 
     #[command(flatten)]
     pub nodes: NodeArgs,
@@ -50,15 +46,12 @@ pub struct SolveOptions {
     /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
     /// reads back to the same number.
     #[arg(long, value_name = "N", default_value = "10")]
-    pub(super) digits: Digits,
+    pub digits: Digits,
 
     /// Check the answer by independent methods, as `flexlink verify` does, and keep the table in summary.json; exit
     /// code 4 if a number is out of its bound, but the results are written.
     #[arg(long)]
     pub(super) verify: bool,
-
-    #[command(flatten)]
-    pub read: ReadArgs,
 }
 
 /// The arguments of a record, read as those of the command line are.
@@ -67,12 +60,6 @@ pub struct SolveOptions {
 pub(super) struct Recorded {
     #[command(flatten)]
     options: SolveOptions,
-}
-
-impl<'a> From<&'a SolveOptions> for MotionArgs<'a> {
-    fn from(options: &'a SolveOptions) -> Self {
-        (&options.read, &options.resample, &options.scale)
-    }
 }
 
 impl SolveOptions {
@@ -109,15 +96,15 @@ impl SolveOptions {
         let flag = |on: bool, name: &str| on.then(|| name.to_owned());
         [
             self.changes.arguments(),
-            self.resample.arguments(),
-            self.scale.arguments(),
+            self.motion.resample.arguments(),
+            self.motion.scale.arguments(),
+            self.motion.read.arguments(),
             self.nodes.arguments(),
             Vec::from_iter(flag(self.deflections, "--deflections")),
             Vec::from_iter(flag(self.moments, "--moments")),
             Vec::from_iter(flag(self.golden, "--golden")),
             digits_arguments(self.digits),
             Vec::from_iter(flag(self.verify, "--verify")),
-            self.read.arguments(),
         ]
         .concat()
     }
@@ -159,7 +146,8 @@ impl<'a> Run<'a> {
         let changes = options.changes.overrides()?;
         let specification = options.nodes.meshed(specification(&link_file, &changes)?)?;
         let motion_file = motion_file()?;
-        let problem = Problem::read((&link_file, specification), &motion_file, options.into())?;
+        options.motion.read.check(&[TableName::Motion])?;
+        let problem = Problem::read((&link_file, specification), &motion_file, &options.motion)?;
         Ok(Self { options, link_file, motion_file, problem })
     }
 

@@ -1,4 +1,4 @@
-//! `solve --write`: the torque alone, as a controller plays it.
+//! `solve --write`: the torque alone, or set-points, as a controller plays them.
 
 use std::path::{Path, PathBuf};
 
@@ -7,13 +7,17 @@ use clap::{Args, Parser, ValueEnum};
 use crate::beam::MeshPlan;
 use crate::csv::Digits;
 use crate::inverse::Solution;
+use crate::link::Arm;
 use crate::motion::Ends;
 use crate::response::Interpolation;
-use crate::result::{Notice, TorqueTable};
-use crate::store::{SUMMARY, Summary, TableRecord, TorqueFile, TorqueForm, is_result_file};
+use crate::result::{
+    DriveUnit, Held, Notice, SetPoint, SetPointError, SetPoints, Side, UnitChoice,
+};
+use crate::store::{SUMMARY, SetPointFile, SetPointForm, Summary, TableRecord, is_result_file};
 use crate::text::{plain, shown_path, significant};
-use crate::verify::{TableError, table_error};
+use crate::verify::{TableError, Unknown, table_error};
 
+use crate::cli::help::wrapped;
 use crate::cli::options::common::{option, seconds};
 use crate::cli::terminal::console::is_standard_output;
 use crate::cli::terminal::files::keep_inputs;
@@ -29,11 +33,20 @@ const KNOWN: f64 = 0.05;
 /// Largest error of the time of a row, as a share of a step.
 const TIME: f64 = 1e-3;
 
-/// The torque in a file of its own.
+/// Most pins of LinuxCNC's streamer.
+const PINS: usize = 20;
+
+/// Letters of a line of a reason.
+const REASON: usize = 70;
+
+const CONTROLLER: &str = "Table for a controller";
+
+/// The torque, or set-points, in a file of its own.
 #[derive(Debug, Args)]
-pub(super) struct WriteArgs {
+pub struct WriteArgs {
     /// Write only the torque at the hub, or the joints, or the force on a carriage; results go to a folder only with -o. The ending chooses the
-    /// form: .csv, .h for C, .m for MATLAB and Simulink. `-` prints CSV, and no summary.
+    /// form: .csv, .h for C, .m for MATLAB and Simulink, .mat, .npz for NumPy, .yaml or .json for ROS 2. `-` prints CSV,
+    /// and no summary.
     #[arg(long, value_name = "FILE")]
     pub(super) write: Option<PathBuf>,
 
@@ -47,25 +60,100 @@ pub(super) struct WriteArgs {
     #[arg(long, value_name = "SHARE", requires = "write", value_parser = share)]
     window: Option<f64>,
 
-    /// FILE has values for a converter that holds each until the next row (zero), corrected so that the link moves as
-    /// wanted. The remaining error of the tip is printed.
+    /// FILE has values for a converter that holds each until the next row (zero), or for a drive that draws straight lines
+    /// between them (linear), corrected so that the link moves as wanted. The remaining error of the tip is printed.
     #[arg(long, value_name = "KIND", requires = "write", value_enum)]
     hold: Option<Hold>,
+
+    /// Columns of FILE for every joint; effort is the torque or force. The tip's error is played for a drive that holds the
+    /// position, else the velocity, and for one that holds the effort.
+    #[arg(long, value_name = "LIST", requires = "write", value_delimiter = ',', value_enum)]
+    #[arg(help_heading = CONTROLLER)]
+    with: Vec<Quantity>,
+
+    /// Side of the columns: the joint, or its motor before gear and elastic transmission, as in motor.csv
+    /// [default: joint].
+    #[arg(long, value_name = "SIDE", requires = "write", value_enum, help_heading = CONTROLLER)]
+    side: Option<SideName>,
+
+    /// Cycle of the controller, `2 ms`: the time between two rows [default: the step of MOTION].
+    #[arg(long, value_name = "TIME", requires = "write", value_parser = cycle, help_heading = CONTROLLER)]
+    cycle: Option<f64>,
+
+    /// Units of the columns: position=deg,effort='N cm'; of one joint position2=deg [default: SI].
+    #[arg(long, value_name = "QUANTITY=UNIT", requires = "write", value_delimiter = ',')]
+    #[arg(value_parser = UnitChoice::of_unit, help_heading = CONTROLLER)]
+    units: Vec<UnitChoice>,
+
+    /// Columns in whole counts of the drive: counts over a range, in --units unless it has a unit, and the count at 0:
+    /// position=4096/'360 deg'+2048, effort=1000/2.5. A negative number turns the sign. The rounding is played.
+    #[arg(long, value_name = "QUANTITY=COUNTS/RANGE", requires = "write", value_delimiter = ',')]
+    #[arg(value_parser = UnitChoice::of_counts, help_heading = CONTROLLER)]
+    counts: Vec<UnitChoice>,
+
+    /// Form of FILE where its ending does not say it: lines for LinuxCNC's halstreamer, .txt.
+    #[arg(long, value_name = "FORM", requires = "write", value_enum, help_heading = CONTROLLER)]
+    form: Option<FormName>,
+
+    /// Names of the joints in .yaml, .json, .mat and .npz [default: joint1, joint2, …, carriage].
+    #[arg(long, value_name = "LIST", requires = "write", value_delimiter = ',')]
+    #[arg(help_heading = CONTROLLER)]
+    joint_names: Vec<String>,
 }
 
-/// Output of a converter between two rows.
+/// Output of a converter or a drive between two rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Hold {
     Zero,
+    Linear,
+}
+
+/// A quantity of the columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Quantity {
+    Position,
+    Velocity,
+    Acceleration,
+    Effort,
+}
+
+/// A side of a joint's gear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SideName {
+    Joint,
+    Motor,
+}
+
+/// A form without an ending of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FormName {
+    Halstreamer,
+}
+
+impl From<Quantity> for SetPoint {
+    fn from(own: Quantity) -> Self {
+        match own {
+            Quantity::Position => Self::Position,
+            Quantity::Velocity => Self::Velocity,
+            Quantity::Acceleration => Self::Acceleration,
+            Quantity::Effort => Self::Effort,
+        }
+    }
+}
+
+/// Name of a value of an option.
+fn value_name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |own| own.get_name().to_owned())
 }
 
 /// A table to write, and its error of the tip, if the table differs from the torque.
-pub(super) struct WrittenTable {
-    table: TorqueTable,
-    error: Option<TableError>,
-    warning: Option<Notice>,
+pub struct WrittenTable {
+    pub table: SetPoints,
+    errors: Vec<(Held, TableError)>,
+    pub warning: Option<Notice>,
     /// Lines of the file and the summary about the table.
-    notes: Vec<String>,
+    pub notes: Vec<String>,
+    joint_names: Vec<String>,
 }
 
 /// The arguments of a record, read as those of the command line are.
@@ -77,8 +165,10 @@ struct Recorded {
 }
 
 impl WriteArgs {
-    /// Returns an error if FILE has an ending without a form, or would replace an input or a result.
-    pub(super) fn check(&self, inputs: &[&Path], output: Option<&Path>) -> Result<(), Failure> {
+    /// Returns an error if FILE has an ending without a form, or would replace an input or a result, or if its columns do
+    /// not suit it.
+    pub fn check(&self, inputs: &[&Path], output: Option<&Path>) -> Result<(), Failure> {
+        self.check_columns()?;
         let Some(file) = self.write.as_deref().filter(|file| !is_standard_output(file)) else {
             return Ok(());
         };
@@ -86,12 +176,20 @@ impl WriteArgs {
             let message = format!("--write = {}, but {must}", file.display());
             Err(Failure::new(Exit::Usage, &message, Some(hint)))
         };
-        if TorqueForm::of(file).is_none() {
-            let hint = ".csv is a table, .h a C header, .m a script for MATLAB and Simulink";
-            return refuse("must end in .csv, .h or .m, or be `-`", hint);
+        let is_text = file.extension().is_some_and(|end| end.eq_ignore_ascii_case("txt"));
+        if self.form.is_some() && !is_text {
+            return refuse("must end in .txt with --form halstreamer", "leave --form out");
+        }
+        if self.form.is_none() && is_text {
+            let hint = "--form halstreamer writes lines for LinuxCNC";
+            return refuse("a .txt needs the name of its form", hint);
+        }
+        if self.form.is_none() && SetPointForm::of(file).is_none() {
+            let hint = ".csv is a table, .h a C header, .m a script for MATLAB and Simulink, .yaml and .json are for ROS 2";
+            return refuse("must end in .csv, .h, .m, .mat, .npz, .yaml or .json, or be `-`", hint);
         }
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-        if TorqueForm::of(file).is_some_and(|form| !form.takes(&stem)) {
+        if !self.file_form().takes(&stem) {
             let must = "must have a name of letters, digits and `_`, a letter first";
             return refuse(must, "choose another name: names in C and MATLAB begin with it");
         }
@@ -105,8 +203,46 @@ impl WriteArgs {
         keep_inputs("--write", file, inputs)
     }
 
+    /// Returns an error if the columns contradict each other or the form.
+    fn check_columns(&self) -> Result<(), Failure> {
+        let refuse =
+            |message: &str, hint: &str| Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        let with = self.set_points();
+        let has = |set_point: SetPoint| with.contains(&set_point);
+        if (1..with.len()).any(|k| with[..k].contains(&with[k])) {
+            return refuse(
+                "--with names a quantity twice, but must name each once",
+                "leave one out",
+            );
+        }
+        if with == [SetPoint::Acceleration] {
+            let message = "--with = acceleration, but must have a quantity that a drive holds, too";
+            return refuse(message, "add position, velocity or effort");
+        }
+        let form = self.file_form();
+        if self.write.is_some() && form.is_ros() {
+            if !has(SetPoint::Position) || has(SetPoint::Acceleration) && !has(SetPoint::Velocity) {
+                let message = "a JointTrajectory must have the position of each joint, and with the acceleration the velocity";
+                return refuse(
+                    message,
+                    "use --with position,velocity,acceleration,effort, or the first of these",
+                );
+            }
+            if !self.units.is_empty() || !self.counts.is_empty() {
+                let message =
+                    "--units and --counts do not suit a JointTrajectory, whose numbers are in SI";
+                return refuse(message, "leave them out, or choose another ending");
+            }
+            if self.start_at.is_some_and(|start_s| start_s < 0.0) {
+                let message = "--start-at is below 0, but must be 0 or above: time_from_start of the first point";
+                return refuse(message, "leave --start-at out");
+            }
+        }
+        Ok(())
+    }
+
     /// Returns an error if the options do not fit a motion with these ends and this step.
-    pub(super) fn check_motion(&self, ends: Ends, step_s: f64) -> Result<(), Failure> {
+    pub fn check_motion(&self, ends: Ends, step_s: f64) -> Result<(), Failure> {
         if self.window.is_some() && ends != Ends::AtRest {
             let message = "--window is for a motion from rest to rest, and this one is not";
             return Err(Failure::new(Exit::Usage, &message, Some("leave --window out")));
@@ -135,11 +271,24 @@ impl WriteArgs {
 
     /// The arguments, for the record; the file by its name alone.
     fn arguments(&self) -> Vec<String> {
-        let write = option("--write", self.name());
-        let start_at = self.start_at.map(|start_s| option("--start-at", plain(start_s)));
-        let window = self.window.map(|share| option("--window", plain(share)));
-        let hold = self.hold.map(|_| option("--hold", "zero"));
-        [Some(write), start_at, window, hold].into_iter().flatten().flatten().collect()
+        let list = |name: &str, texts: Vec<String>| {
+            if texts.is_empty() { Vec::new() } else { option(name, texts.join(",")) }
+        };
+        let texts = |own: &[UnitChoice]| own.iter().map(|own| own.text.clone()).collect();
+        [
+            option("--write", self.name()),
+            self.start_at.map_or_else(Vec::new, |start_s| option("--start-at", plain(start_s))),
+            self.window.map_or_else(Vec::new, |share| option("--window", plain(share))),
+            self.hold.map_or_else(Vec::new, |hold| option("--hold", value_name(&hold))),
+            list("--with", self.with.iter().map(value_name).collect()),
+            self.side.map_or_else(Vec::new, |side| option("--side", value_name(&side))),
+            self.cycle.map_or_else(Vec::new, |cycle_s| option("--cycle", plain(cycle_s))),
+            list("--units", texts(&self.units)),
+            list("--counts", texts(&self.counts)),
+            self.form.map_or_else(Vec::new, |form| option("--form", value_name(&form))),
+            list("--joint-names", self.joint_names.clone()),
+        ]
+        .concat()
     }
 
     /// Name of the file, `-` for standard output.
@@ -148,12 +297,49 @@ impl WriteArgs {
         name.to_string_lossy().into_owned()
     }
 
-    fn form(&self) -> TorqueForm {
-        self.write.as_deref().and_then(TorqueForm::of).unwrap_or(TorqueForm::Csv)
+    fn file_form(&self) -> SetPointForm {
+        match (self.form, self.write.as_deref().and_then(SetPointForm::of)) {
+            (Some(FormName::Halstreamer), _) => SetPointForm::Halstreamer,
+            (None, form) => form.unwrap_or(SetPointForm::Csv),
+        }
     }
 
-    /// The table of a link or an arm with its measured error. `None` without --write.
-    pub(super) fn table(
+    /// The quantities of the columns: the effort unless the user names others.
+    fn set_points(&self) -> Vec<SetPoint> {
+        if self.with.is_empty() {
+            return vec![SetPoint::Effort];
+        }
+        self.with.iter().map(|own| SetPoint::from(*own)).collect()
+    }
+
+    /// True for the torque alone, without quantities, cycle and units of its own.
+    fn is_plain(&self) -> bool {
+        let has_units = !self.units.is_empty() || !self.counts.is_empty();
+        self.with.is_empty() && self.side.is_none() && self.cycle.is_none() && !has_units
+    }
+
+    /// The joints' names in messages and files of arrays.
+    fn names_of_joints(&self, arm: &Arm) -> Result<Vec<String>, Failure> {
+        let joints = arm.joints().count();
+        let own = &self.joint_names;
+        if own.is_empty() {
+            let slides = arm.joints().map(|joint| joint.slides());
+            let name = |(number, slides): (usize, bool)| {
+                if slides { "carriage".to_owned() } else { format!("joint{number}") }
+            };
+            return Ok((1..).zip(slides).map(name).collect());
+        }
+        let is_twice = (1..own.len()).any(|k| own[..k].contains(&own[k]));
+        if own.len() == joints && !is_twice && own.iter().all(|name| !name.is_empty()) {
+            return Ok(own.clone());
+        }
+        let message =
+            format!("--joint-names = {}, but must be {joints} different names", own.join(","));
+        Err(Failure::new(Exit::Usage, &message, Some("name each joint once, the inner one first")))
+    }
+
+    /// The table of a link or an arm with its measured errors. `None` without --write.
+    pub fn table(
         &self,
         solution: &Solution,
         plans: &[MeshPlan],
@@ -163,68 +349,123 @@ impl WriteArgs {
             return Ok(None);
         }
         let words = solution.arm.pick(&OF_LINK, &OF_ARM);
+        let side = if self.side == Some(SideName::Motor) { Side::Motor } else { Side::Joint };
+        let joint_names = self.names_of_joints(&solution.arm)?;
         let has_motor = solution.joints.iter().any(|joint| joint.motor.is_some());
-        let table = self.shaped(TorqueTable::of(solution), solution.motion.ends());
-        let error = if self.hold.is_some() || self.window.is_some() {
+        let refused = |error: SetPointError| table_refused(&error, &solution.arm);
+        let table = SetPoints::of(solution, &self.set_points(), side).map_err(refused)?;
+        let table = self.shaped(table, solution.motion.ends()).map_err(refused)?;
+        if self.form.is_some() && table.columns().len() > PINS {
+            let found = table.columns().len();
+            let message = format!("halstreamer takes {PINS} columns, but the table has {found}");
+            return Err(Failure::new(
+                Exit::Usage,
+                &message,
+                Some("name fewer quantities in --with"),
+            ));
+        }
+        let is_changed = self.hold.is_some() || self.window.is_some() || self.cycle.is_some();
+        let (mut errors, mut unknown) = (Vec::new(), Vec::new());
+        if is_changed || !self.counts.is_empty() {
             stages.at("playing");
-            Some(table_error(solution, plans, &table, memory::available())?)
-        } else {
-            None
-        };
-        let motor = has_motor.then(|| words.motor.to_owned());
+            for held in table.held_by_drive() {
+                match table_error(solution, plans, (&table, held), memory::available()) {
+                    Ok(error) => errors.push((held, error)),
+                    Err(Unknown::Reason(reason)) => unknown.push((held, reason)),
+                    Err(Unknown::Error(error)) => return Err(error.into()),
+                }
+            }
+        }
+        let motor = if self.is_plain() { words.motor } else { BESIDE_MOTOR };
+        let motor = (has_motor && side == Side::Joint).then(|| motor.to_owned());
         let tip_tolerance = solution.analysis.tip_tolerance();
-        let written = self.written((table, error), tip_tolerance, words, motor);
+        let mut written = self.written((table, errors), tip_tolerance, words, motor);
+        for (held, reason) in unknown {
+            written.notes.push(format!("not played {}:", where_held(held, side)));
+            written.notes.extend(wrapped(&reason, REASON));
+        }
         let joint = solution.arm.joint();
         Ok(Some(WrittenTable {
             notes: written.notes.iter().map(|line| joint.worded(line)).collect(),
             warning: written.warning.map(|own| own.worded(&solution.arm)),
+            joint_names,
             ..written
         }))
     }
 
     /// A table with the effects of the options, except its start.
-    fn shaped(&self, table: TorqueTable, ends: Ends) -> TorqueTable {
-        let table = if self.hold.is_some() { table.held(ends) } else { table };
-        match self.window {
+    fn shaped(&self, table: SetPoints, ends: Ends) -> Result<SetPoints, SetPointError> {
+        let table = match self.cycle {
+            Some(cycle_s) => table.on_cycle(cycle_s, ends)?,
+            None => table,
+        };
+        let table = match self.hold {
+            Some(Hold::Zero) => table.held(Interpolation::Zero, ends),
+            Some(Hold::Linear) => table.held(Interpolation::Linear, ends),
+            None => table,
+        };
+        let table = match self.window {
             Some(share) => table.cut(share),
             None => table,
-        }
+        };
+        table.in_units(&self.units, &self.counts)
     }
 
     /// The table at its start, its warning, and the lines about it.
     fn written(
         &self,
-        (table, error): (TorqueTable, Option<TableError>),
+        (table, errors): (SetPoints, Vec<(Held, TableError)>),
         tip_tolerance: f64,
         words: &Words,
         motor: Option<String>,
     ) -> WrittenTable {
-        let table = match self.start_at {
+        // The times of a message begin with it.
+        let from_0 = self.file_form().is_ros().then_some(0.0);
+        let table = match self.start_at.or(from_0) {
             Some(start_s) => table.starting_at(start_s),
             None => table,
         };
-        let warning = error.as_ref().and_then(|error| self.warning(error, tip_tolerance, words));
+        let is_plain = self.is_plain();
+        let warning = errors.first().and_then(|own| self.warning(own, tip_tolerance, words));
         let begins = format!("the motion begins at {} s", significant(table.moves_from_s(), 4));
+        let columns = if is_plain { Vec::new() } else { described(&table) };
+        let cycle = self.cycle.map(|cycle_s| format!("a row each {} s", plain(cycle_s)));
         let size = if table.has_weight() { "range" } else { "peak" };
         let cut = self.window.map(|share| {
             let percent = significant(100.0 * share, 3);
-            format!("cut below {percent} % of {}torque's {size}", words.of_torque)
+            if is_plain {
+                format!("cut below {percent} % of {}torque's {size}", words.of_torque)
+            } else {
+                format!("cut below {percent} % of every column's peak or range")
+            }
         });
-        let held =
-            self.hold.map(|_| "values for a converter that holds each until the next".to_owned());
-        let found = error.iter().flat_map(|error| found(&table, error));
-        let until = error.as_ref().filter(|_| self.window.is_some()).map(|error| {
+        let held = self.hold.map(|hold| match hold {
+            Hold::Zero => "values for a converter that holds each until the next".to_owned(),
+            Hold::Linear => "values for a drive that draws straight lines between them".to_owned(),
+        });
+        let found = errors.iter().flat_map(|(held, error)| {
+            let place = format!("{}:", where_held(*held, table.side()));
+            (!is_plain).then_some(place).into_iter().chain(found(&table, error))
+        });
+        let until = errors.last().filter(|_| self.window.is_some()).map(|(held, error)| {
             let until = significant(table.solved_until_s(), 3);
-            let rest = if error.feedback.is_empty() { words.drift } else { "" };
+            let drifts = error.feedback.is_empty() && *held == Held::Effort;
+            let rest = if drifts { words.drift } else { "" };
             format!("measured to {until} s{rest}")
         });
-        let notes = [Some(begins), cut, held].into_iter().flatten().chain(found);
+        let notes = [Some(begins)].into_iter().flatten().chain(columns);
+        let notes = notes.chain([cycle, cut, held].into_iter().flatten()).chain(found);
         let notes = notes.chain(until).chain(motor).collect();
-        WrittenTable { table, error, warning, notes }
+        WrittenTable { table, errors, warning, notes, joint_names: Vec::new() }
     }
 
     /// The warning of a table with a larger tip error than allowed.
-    fn warning(&self, error: &TableError, tip_tolerance: f64, words: &Words) -> Option<Notice> {
+    fn warning(
+        &self,
+        (held, error): &(Held, TableError),
+        tip_tolerance: f64,
+        words: &Words,
+    ) -> Option<Notice> {
         let allowed = TIP.max(tip_tolerance);
         let TableError { tip, change_m, .. } = error;
         let share = tip.share * (1.0 + change_m / tip.worst_m.max(f64::MIN_POSITIVE));
@@ -232,11 +473,19 @@ impl WriteArgs {
             return None;
         }
         let [share, allowed] = [share, allowed].map(|share| significant(share, 2));
-        let message = format!(
-            "the torque table moves the tip off by {share} of its travel, more than {allowed}"
-        );
+        let table = if self.is_plain() { "the torque table" } else { "the table" };
+        let message =
+            format!("{table} moves the tip off by {share} of its travel, more than {allowed}");
         let hint = match self.window {
+            Some(_) if !self.counts.is_empty() => {
+                "use a smaller --window, finer counts or a shorter --cycle"
+            }
+            None if !self.counts.is_empty() => {
+                "use finer counts, a shorter --cycle or --hold linear"
+            }
+            Some(_) if *held != Held::Effort => "use a smaller --window or a shorter --cycle",
             Some(_) => words.smaller,
+            None if self.cycle.is_some() => "use a shorter --cycle, or --hold as the drive has it",
             None => "use a motion with a shorter step",
         };
         Some(Notice::new("table_moves_tip", &message, hint))
@@ -249,26 +498,36 @@ impl WriteArgs {
         summary: &Summary,
         digits: Digits,
     ) -> Result<usize, Failure> {
-        let Some(file) = &self.write else { return Ok(0) };
-        let WrittenTable { table, warning, notes, .. } = written;
-        let table = TorqueFile { table, summary, notes, digits };
-        let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-        console::deliver_by(Some(file), |out| table.write(out, self.form(), &stem))?;
-        if let Some(Notice { message, hint, .. }) = warning {
-            console::warning(message, hint);
-        }
+        self.write(written, summary, digits)?;
+        let warning = written.warning.as_ref().filter(|_| self.write.is_some());
+        console::warnings(warning.cloned());
         Ok(usize::from(warning.is_some()))
     }
 
+    /// Writes the table.
+    pub fn write(
+        &self,
+        WrittenTable { table, notes, joint_names, .. }: &WrittenTable,
+        summary: &Summary,
+        digits: Digits,
+    ) -> Result<(), Failure> {
+        let Some(file) = &self.write else { return Ok(()) };
+        let is_plain = self.is_plain();
+        let table = SetPointFile { table, summary, notes, digits, is_plain, joint_names };
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+        console::deliver_by(Some(file), |out| table.write(out, self.file_form(), &stem))
+    }
+
     /// The summary of a run that writes the table, too.
-    pub(super) fn recorded_in(&self, summary: Summary, written: Option<&WrittenTable>) -> Summary {
-        let Some(WrittenTable { table, error, warning, .. }) = written else { return summary };
+    pub fn recorded_in(&self, summary: Summary, written: Option<&WrittenTable>) -> Summary {
+        let Some(WrittenTable { table, errors, warning, .. }) = written else { return summary };
         summary.with_table(&TableRecord {
             table,
             file: &self.name(),
-            form: self.form(),
+            form: self.file_form(),
             arguments: &self.arguments(),
-            error: error.as_ref(),
+            errors,
+            has_set_points: !self.is_plain(),
             warning: warning.as_ref(),
         })
     }
@@ -297,6 +556,9 @@ struct Words {
     motor: &'static str,
 }
 
+/// Place of set-points if there is a motor.
+const BESIDE_MOTOR: &str = "at the joint, beyond the gear; --side motor writes the motor's";
+
 const OF_LINK: Words = Words {
     of_torque: "the ",
     drift: "; a free hub drifts on after a cut",
@@ -311,8 +573,63 @@ const OF_ARM: Words = Words {
     motor: "torques at the joints, beyond gears; motor.csv of -o has the motors'",
 };
 
+/// Where a drive holds a quantity.
+fn where_held(held: Held, side: Side) -> String {
+    let what = match held {
+        Held::Position => "position",
+        Held::Velocity => "velocity",
+        Held::Effort => "effort",
+    };
+    let of_motor = if side == Side::Motor { " of its motor" } else { "" };
+    format!("where the drive holds the {what}{of_motor}")
+}
+
+/// Units of the columns, a line each where they are counts.
+fn described(table: &SetPoints) -> Vec<String> {
+    let (mut units, mut counts) = (Vec::new(), Vec::new());
+    for set_point in table.set_points() {
+        let mut seen: Vec<&DriveUnit> = Vec::new();
+        for own in table.columns_of(set_point) {
+            if seen.contains(&&own.unit) {
+                continue;
+            }
+            seen.push(&own.unit);
+            let list = if own.unit.is_count { &mut counts } else { &mut units };
+            list.push(own.unit.described(set_point, own.slides));
+        }
+    }
+    let side = if table.side() == Side::Motor { "of the motors: " } else { "" };
+    // Two quantities a line fit a terminal.
+    let lines = units.chunks(2).map(|pair| format!("{side}{}", pair.join(", ")));
+    lines.chain(counts.iter().map(|line| format!("{side}{line}"))).collect()
+}
+
+/// The failure of a table that is impossible.
+fn table_refused(error: &SetPointError, arm: &Arm) -> Failure {
+    let (option, hint) = match error {
+        SetPointError::NoMotor { .. } => ("--side = motor", "leave --side out"),
+        SetPointError::Rows { .. } => ("--cycle", "use another cycle, such as '2 ms'"),
+        SetPointError::NoFit { .. } => {
+            ("--cycle", "use a cycle that divides the motion, or --resample")
+        }
+        SetPointError::NoColumn { .. } => {
+            let hint =
+                "name a quantity of --with, a joint that is there, and a unit of its dimension";
+            ("--units or --counts", hint)
+        }
+        SetPointError::TooManyCounts { .. } => ("--counts", "use fewer counts, or no counts"),
+    };
+    Failure::new(Exit::Usage, &arm.worded(&format!("{option}: {error}")), Some(hint))
+}
+
+/// Parses the cycle of a controller.
+fn cycle(text: &str) -> Result<f64, String> {
+    let cycle_s = seconds(text)?;
+    if cycle_s > 0.0 { Ok(cycle_s) } else { Err("must be a time above 0, such as '2 ms'".into()) }
+}
+
 /// Results of playing a table, a line each.
-fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
+fn found(table: &SetPoints, error: &TableError) -> Vec<String> {
     let TableError { tip, change_m, feedback } = error;
     let [worst, time, of] =
         [tip.worst_m, table.time_s(tip.time_s), tip.share].map(|number| significant(number, 3));
@@ -329,7 +646,7 @@ fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
         let falls = "nothing else holds the arm: played with feedback around its joints,";
         lines.push(falls.to_owned());
         lines.push(format!("{} (N m/rad and N m s/rad of each)", gains.join(",")));
-        if table.interpolation() == Interpolation::Zero {
+        if table.interpolation() != Interpolation::Cubic {
             lines.push(
                 "with a reference that is corrected for the hold as the torques are".to_owned(),
             );

@@ -8,21 +8,25 @@ use clap::Args;
 use crate::beam::Mesh;
 use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::options::inputs::{
-    ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, Wanted, are_read_alike, scale_arguments, tell,
+    ChangeArgs, MotionArgs, Wanted, are_read_alike, scale_arguments,
 };
 use crate::cli::options::moves::Moving;
 use crate::cli::options::play::{Driven, DrivenFiles, MovingArgs};
+use crate::cli::options::reading::{ReadArgs, TableName, tell};
 use crate::cli::simulate::refusal;
 use crate::cli::terminal::{Exit, Failure, memory};
-use crate::csv::{Digits, InputFile, Reading, TableFormat};
+use crate::csv::{Digits, InputFile, Reading};
 use crate::link::{Arm, Link};
 use crate::modal::natural_frequencies;
 use crate::motion::{MotionScale, Periods};
-use crate::result::Remark;
+use crate::result::{Limits, Remark};
 use crate::spec::{LinkDocument, Override, SpecError, Specification};
 use crate::store::{Fingerprint, RunOutputs, SimulateFiles, SweepIdentity, SweepInputs};
 use crate::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use crate::text::{excerpt, visible};
+
+/// Tables that options of reading may name.
+const TABLES: [TableName; 3] = [TableName::Motion, TableName::Torque, TableName::Reference];
 
 /// Options that all cases of a sweep share beside LINK and MOTION.
 #[derive(Debug, Args)]
@@ -31,24 +35,18 @@ pub(crate) struct CaseArgs {
     changes: ChangeArgs,
 
     #[command(flatten)]
-    resample: ResampleArgs,
-
-    #[command(flatten)]
-    pub(super) scale: ScaleArgs,
+    pub(super) motion: MotionArgs,
 
     #[command(flatten)]
     pub(crate) torque: TorqueArgs,
 
     #[command(flatten)]
     pub(crate) outputs: OutputsArgs,
-
-    #[command(flatten)]
-    read: ReadArgs,
 }
 
 /// The play of every case.
 #[derive(Debug, Args)]
-pub(crate) struct TorqueArgs {
+pub struct TorqueArgs {
     /// Play this torque (CSV: `time`, `torque`; of an arm `torque1`, `torque2`, …) on every case instead, or with --input
     /// a motion of the joints or a voltage, as simulate does, and compare the tip with MOTION.
     #[arg(long, value_name = "TORQUE")]
@@ -114,26 +112,22 @@ impl<'a> Cases<'a> {
             let overrides = with_case(&overrides, &plan.case(case))?;
             document.specification(&link_file.shown, &overrides)
         };
-        let read =
-            |case| First::read(described(case)?, &motion_file, (&shared.resample, &shared.read));
+        shared.motion.read.check(&TABLES)?;
+        let read = |case| First::read(described(case)?, &motion_file, &shared.motion);
         // A path that the file lacks fails every case: a slip rather than a result.
         let (first, reading) = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
-        shared.scale.scaled(&first.wanted)?;
-        let driven = shared.torque.read(&first.arm)?;
+        shared.motion.scale.scaled(&first.wanted)?;
+        let driven = shared.torque.read(&first.arm, &shared.motion.read)?;
         tell(&motion_file.shown, &reading);
         refuse_without_effect(|case| described(case).ok(), &plan)?;
         // From here on errors are for the table, whose text must not depend on the place of the files.
         link_file.shown.clone_from(&link_file.name);
         motion_file.shown.clone_from(&motion_file.name);
         let first = first.named(&motion_file.name);
-        let slides = first.arm.joints().any(|joint| joint.slides());
         let kind = match &driven {
-            Some(_) => {
-                let is_open = shared.torque.moving.is_open();
-                SweepKind::Played { joints: first.arm.links().len(), slides, is_open }
-            }
+            Some(_) => shared.torque.kind(&first.arm),
             None => SweepKind::of_arm(&first.arm),
         };
         Ok(Self {
@@ -155,11 +149,11 @@ impl<'a> Cases<'a> {
     pub(crate) fn identity(&self, vary: &[String], shard: Shard) -> SweepIdentity {
         let arguments = [
             self.shared.changes.arguments(),
-            self.shared.resample.arguments(),
-            self.shared.scale.arguments(),
+            self.shared.motion.resample.arguments(),
+            self.shared.motion.scale.arguments(),
             self.shared.torque.moving.arguments(),
             self.shared.outputs.identity(),
-            self.shared.read.arguments(),
+            self.shared.motion.read.arguments(),
         ];
         let files = self.driven.as_ref().map(|own| own.files.recorded());
         let played = |of: fn(SimulateFiles<'_>) -> Option<&InputFile>| {
@@ -176,7 +170,7 @@ impl<'a> Cases<'a> {
             arguments: arguments.concat(),
         };
         let identity = SweepIdentity::new(self.first.arm.title(), inputs, self.plan.clone(), shard);
-        identity.with_links(self.first.links().into_iter())
+        identity.with_links(self.first.links().into_iter(), &self.first.limits)
     }
 
     /// Does the work of a case within its share of the memory. If the share is too little, waits until no other case
@@ -241,12 +235,12 @@ impl<'a> Cases<'a> {
 
     /// The motion of a case, which scales it.
     pub(crate) fn motion_of(&self, arm: &Arm, varied: MotionScale) -> Result<Wanted, Failure> {
-        let scale = self.shared.scale.scale() * varied;
+        let scale = self.shared.motion.scale.scale() * varied;
         if let Some(motion) = self.first.motion_of(arm, scale) {
             return motion;
         }
         let Self { shared, motion_file, .. } = self;
-        shared.resample.motion_of(motion_file, arm, &shared.read)?.0.of_case(scale)
+        shared.motion.motion_of(motion_file, arm)?.0.of_case(scale)
     }
 
     /// The arguments of `solve` that shape the results of this case, for the record.
@@ -255,22 +249,24 @@ impl<'a> Cases<'a> {
         [
             self.shared.changes.arguments(),
             varied.collect(),
-            self.shared.resample.arguments(),
-            scale_arguments(self.shared.scale.scale() * values.motion),
+            self.shared.motion.resample.arguments(),
+            scale_arguments(self.shared.motion.scale.scale() * values.motion),
             self.shared.torque.moving.arguments(),
             self.shared.outputs.arguments(),
-            self.shared.read.arguments(),
+            self.shared.motion.read.arguments(),
         ]
         .concat()
     }
 }
 
 impl TorqueArgs {
-    fn read(&self, arm: &Arm) -> Result<Option<Driven>, Failure> {
+    /// Reads the table of an arm; `None` without one.
+    pub fn read(&self, arm: &Arm, read: &ReadArgs) -> Result<Option<Driven>, Failure> {
         let Some(path) = &self.torque else { return Ok(None) };
         self.moving.check(arm, &[])?;
-        let driven = self.moving.load(path, arm, &TableFormat::default())?;
-        let Driven { files: DrivenFiles { reference, .. }, moving, feedback } = &driven;
+        let driven = self.moving.load(path, arm, &|table| read.other(table));
+        let driven = driven.map_err(|failure| TableName::Torque.refused(failure))?;
+        let Driven { files: DrivenFiles { reference, .. }, moving, feedback, .. } = &driven;
         if let (Moving::Torques(torques), Some(file)) = (moving, reference) {
             for (own, torque) in feedback.iter().zip(torques) {
                 own.check_times(torque).map_err(|error| {
@@ -354,8 +350,9 @@ fn with_case(overrides: &[Override], values: &CaseValues) -> Result<Vec<Override
 }
 
 /// The first readable case, and the inputs that others share with it.
-pub(super) struct First {
+pub(crate) struct First {
     pub(super) arm: Arm,
+    pub(super) limits: Vec<Limits>,
     pub(super) wanted: Wanted,
     /// The periods of the motion of a link's tip, which most cases share.
     pub(super) periods: Option<Periods>,
@@ -364,13 +361,13 @@ pub(super) struct First {
 impl First {
     /// Reads the motion of a link or an arm.
     pub(super) fn read(
-        Specification { arm, .. }: Specification,
+        Specification { arm, limits, .. }: Specification,
         file: &InputFile,
-        (resample, read): (&ResampleArgs, &ReadArgs),
+        motion: &MotionArgs,
     ) -> Result<(Self, Reading), Failure> {
-        let (wanted, reading) = resample.motion_of(file, &arm, read)?;
+        let (wanted, reading) = motion.motion_of(file, &arm)?;
         let periods = wanted.motion.tip().map(Periods::of);
-        Ok((Self { arm, wanted, periods }, reading))
+        Ok((Self { arm, limits, wanted, periods }, reading))
     }
 
     /// The first case with `name` as the name of its motion's file in errors.

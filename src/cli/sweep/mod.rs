@@ -1,6 +1,6 @@
 //! `sweep`: many cases, with a row of one table for each.
 
-mod cases;
+pub mod cases;
 mod table;
 pub mod tally;
 mod work;
@@ -115,7 +115,7 @@ pub(crate) struct Sweep {
     #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
     #[arg(conflicts_with_all = ["input", "feedback", "reference"])]
     #[arg(conflicts_with_all = ["column", "hold", "linear", "outputs", "shard", "resume", "columns", "time_unit"])]
-    #[arg(conflicts_with_all = ["unit", "scale", "skip", "delimiter", "decimal", "scale_distance", "scale_duration"])]
+    #[arg(conflicts_with_all = ["sample_rate", "unit", "scale", "skip", "delimiter", "decimal", "scale_distance", "scale_duration"])]
     merge: Vec<PathBuf>,
 
     /// Fail with exit code 4 if a case failed or exceeds a limit of the link file; the table is

@@ -2,17 +2,19 @@
 
 use std::path::Path;
 
+use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
 use crate::inverse::Resources;
+use crate::link::Arm;
 use crate::modal::reports_weight;
 use crate::motion::{Ends, Motion, Prescribed};
 use crate::response::{Play, PlayedLink, SimulationError, Start, simulate};
-use crate::result::{FollowedTarget, Notice, Remark, TipPlaces};
+use crate::result::{FollowedTarget, Notice, Remark, TipError, TipPlaces};
 use crate::spec::Specification;
 use crate::store::{OutputFolder, PlayedRun, RunInputs, SimulateFiles, Simulated};
-use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase};
+use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase, SweepKind};
 
-use super::cases::Cases;
+use super::cases::{Cases, TorqueArgs};
 use super::tally::of_limit;
 use crate::cli::options::inputs::Wanted;
 use crate::cli::options::play::Driven;
@@ -97,15 +99,64 @@ impl Cases<'_> {
     fn play(
         &self,
         case: usize,
-        Driven { files, moving, feedback }: &Driven,
+        driven: &Driven,
         memory_bytes: Option<usize>,
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
         let own = &self.specification(&values)?;
-        let Specification { arm, meshes, remarks, analysis, limits, .. } = own;
-        let Wanted { motion, .. } = self.motion_of(arm, values.motion)?;
-        let options = &self.shared.torque.moving;
-        let motors = options.under_voltages(&self.link_file, arm, moving)?;
+        let Wanted { motion, .. } = self.motion_of(&own.arm, values.motion)?;
+        let of_case = (&self.link_file, own, &motion);
+        let torque = &self.shared.torque;
+        torque.played(driven, of_case, memory_bytes, |run, tip_error| {
+            let Simulated { played, metrics, .. } = run.result;
+            let numbers = self.kind.played(&PlayedCase { simulation: played, metrics, tip_error });
+            if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
+                let arguments = self.arguments(&values);
+                let files = driven.files.recorded();
+                let files = SimulateFiles { target: Some(&self.motion_file), ..files };
+                let kind = (driven.moving.input().is_torque(), own.arm.joint().slides());
+                let inputs = RunInputs::of_simulate(&self.link_file, &files, kind, arguments);
+                let outputs = self.shared.outputs.of_case(&played.nodes_m())?;
+                memory::check_nodes(outputs.simulation_bytes(played), memory_bytes)?;
+                run.write(inputs, &outputs, || self.stage(&folder))?;
+            }
+            let notices = run.notices(|limit| of_limit(limit, &own.arm));
+            let PlayedLink { mesh, outward_m_s2, .. } = &played.links[0];
+            let weight = Remark::on_weight(&own.arm, reports_weight(mesh, *outward_m_s2));
+            Ok((numbers, notices, own.remarks.iter().cloned().chain(weight).collect()))
+        })
+    }
+
+    /// Opens the folder of a case. The command line does not name it, so it must not be a link to another place.
+    fn stage(&self, folder: &Path) -> Result<OutputFolder, Failure> {
+        if folder.is_symlink() {
+            let shown = folder.display();
+            let message = format!("{shown}: is a symbolic link, but must be a folder of its own");
+            return Err(Failure::new(Exit::CannotWrite, &message, None));
+        }
+        self.shared.outputs.sync.stage(folder)
+    }
+}
+
+impl TorqueArgs {
+    /// The numbers of each case of an arm that plays the table.
+    pub fn kind(&self, arm: &Arm) -> SweepKind {
+        let slides = arm.joints().any(|joint| joint.slides());
+        SweepKind::Played { joints: arm.links().len(), slides, is_open: self.moving.is_open() }
+    }
+
+    /// Plays the table on a case and compares its tip with the motion. `take` receives the run, and the distance of its
+    /// tip from the motion.
+    pub fn played<T>(
+        &self,
+        Driven { moving, feedback, .. }: &Driven,
+        (file, own, motion): (&InputFile, &Specification, &Motion),
+        memory_bytes: Option<usize>,
+        take: impl FnOnce(&PlayedRun<'_>, &TipError) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        let Specification { arm, meshes, analysis, limits, .. } = own;
+        let options = &self.moving;
+        let motors = options.under_voltages(file, arm, moving)?;
         let (moved, moving) = motors.as_ref().map_or((arm, moving), |(arm, moving)| (arm, moving));
         let input = moving.input();
         let grid = input.grid();
@@ -120,7 +171,7 @@ impl Cases<'_> {
             ..Play::with(input)
         };
         let mut first: Vec<f64>;
-        let places = match &motion {
+        let places = match motion {
             Motion::Tip(motion) => {
                 let target = motion.target(from_s, until_s);
                 play.initial_tip_m = target.start_m();
@@ -156,32 +207,6 @@ impl Cases<'_> {
         let target = FollowedTarget::of(&played, &places)?;
         let tip_error = target.tip_error;
         let result = Simulated::of(played, moved, &play, Some(target)).map_err(refused)?;
-        let run = PlayedRun { arm, play: &play, limits, result: &result };
-        let Simulated { played, metrics, .. } = &result;
-        let numbers =
-            self.kind.played(&PlayedCase { simulation: played, metrics, tip_error: &tip_error });
-        if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
-            let arguments = self.arguments(&values);
-            let files = SimulateFiles { target: Some(&self.motion_file), ..files.recorded() };
-            let kind = (input.is_torque(), arm.joint().slides());
-            let inputs = RunInputs::of_simulate(&self.link_file, &files, kind, arguments);
-            let outputs = self.shared.outputs.of_case(&played.nodes_m())?;
-            memory::check_nodes(outputs.simulation_bytes(played), memory_bytes)?;
-            run.write(inputs, &outputs, || self.stage(&folder))?;
-        }
-        let notices = run.notices(|limit| of_limit(limit, &own.arm));
-        let PlayedLink { mesh, outward_m_s2, .. } = &played.links[0];
-        let weight = Remark::on_weight(&own.arm, reports_weight(mesh, *outward_m_s2));
-        Ok((numbers, notices, remarks.iter().cloned().chain(weight).collect()))
-    }
-
-    /// Opens the folder of a case. The command line does not name it, so it must not be a link to another place.
-    fn stage(&self, folder: &Path) -> Result<OutputFolder, Failure> {
-        if folder.is_symlink() {
-            let shown = folder.display();
-            let message = format!("{shown}: is a symbolic link, but must be a folder of its own");
-            return Err(Failure::new(Exit::CannotWrite, &message, None));
-        }
-        self.shared.outputs.sync.stage(folder)
+        take(&PlayedRun { arm, play: &play, limits, result: &result }, &tip_error)
     }
 }

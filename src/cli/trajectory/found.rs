@@ -13,7 +13,7 @@ use crate::result::{
     OpenMotion, Peak, Remark, shortest_fit, solved,
 };
 use crate::spec::{Override, SpecError, Specification};
-use crate::text::{excerpt, plain, significant, visible};
+use crate::text::{after, before, excerpt, plain, significant, visible};
 
 /// Name of the choice of the profile with the shortest motion.
 const BEST: &str = "best";
@@ -358,12 +358,12 @@ fn timing_text(metrics: &Metrics, is_arm: bool) -> Option<String> {
         metrics.joints.iter().filter_map(times).reduce(f64::max)
     };
     let (lead_s, lag_s) = largest(|own| own.lead_s).zip(largest(|own| own.lag_s))?;
-    let [lead, lag] = [lead_s, lag_s].map(|own| significant(own.abs(), 3));
-    let starts = if lead_s < 0.0 { "after its start" } else { "before the motion" };
-    let ends = if lag_s < 0.0 { "before its end" } else { "after it" };
+    let starts =
+        before(lead_s, 3) + if lead_s < 0.0 { " the motion begins" } else { " the motion" };
+    let ends = after(lag_s, 3) + if lag_s < 0.0 { " it ends" } else { " it" };
     let torque = if is_arm { "the first torque" } else { "the torque" };
     let last = if is_arm { "the last" } else { "it" };
-    Some(format!("{torque} starts {lead} s {starts}, and {last} ends {lag} s {ends}"))
+    Some(format!("{torque} starts {starts}, and {last} ends {ends}"))
 }
 
 /// What a cycle takes.

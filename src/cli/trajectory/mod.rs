@@ -162,6 +162,12 @@ impl Trajectory {
         }
     }
 
+    /// The command with the content of the file of --link.
+    #[must_use]
+    pub fn of_link(self, file: InputFile) -> Self {
+        Self { link_file: OnceLock::from(file), ..self }
+    }
+
     /// The motion of a link's tip, with its profile and duration.
     pub fn motion(&self) -> Result<(MotionColumns, Found), Failure> {
         let link = self.specification(Limited::Link)?;

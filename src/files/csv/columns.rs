@@ -86,6 +86,7 @@ impl Columns {
         if first == FirstRow::Names {
             columns.add_named(vocabulary, header, is_one_motion)?;
         }
+        columns.count_times(header)?;
         columns.headings.sort_by_key(|heading| heading.index);
         // A file that names another file already determines the units.
         if is_one_motion {
@@ -132,6 +133,22 @@ impl Columns {
         Ok(())
     }
 
+    /// Adds the times of a rate of samples.
+    ///
+    /// # Errors
+    /// [`TableError`] for a table that has times.
+    fn count_times(&mut self, header: Header) -> Result<(), TableError> {
+        let Some(rate) = &header.format.sample_rate else { return Ok(()) };
+        if let Some(time) = find(&self.headings, TIME) {
+            let must = format!("must be left out: {} has the times", time.named());
+            let error = header.place.refuse("--sample-rate", rate.to_string(), must);
+            return Err(error);
+        }
+        self.reading.found.push(format!("time from the rate of {rate}"));
+        self.headings.push(Heading::counted(header.fields.len()));
+        Ok(())
+    }
+
     /// True if the table has a column of this quantity.
     pub(super) fn has(&self, quantity: Quantity) -> bool {
         find(&self.headings, quantity).is_some()
@@ -164,7 +181,8 @@ impl Columns {
 
     /// Descriptions of the used columns for the user.
     pub(super) fn told(&self) -> impl Iterator<Item = String> {
-        self.headings.iter().map(|heading| {
+        let columns = self.headings.iter().filter(|heading| !heading.is_counted);
+        columns.map(|heading| {
             let Heading { index, quantity, name, unit_text, .. } = heading;
             let from = format!("{} from column {}", quantity.word, index + 1);
             let name = if name.is_empty() || name.eq_ignore_ascii_case(quantity.word) {
@@ -215,7 +233,7 @@ impl Header<'_> {
         Ok(chosen)
     }
 
-    fn check_quantity(
+    pub(super) fn check_quantity(
         &self,
         vocabulary: &Vocabulary,
         quantity: Quantity,
@@ -230,7 +248,11 @@ impl Header<'_> {
     }
 
     /// Index of the column with this number or heading.
-    fn index_of(&self, quantity: Quantity, column: &ColumnName) -> Result<usize, TableError> {
+    pub(super) fn index_of(
+        &self,
+        quantity: Quantity,
+        column: &ColumnName,
+    ) -> Result<usize, TableError> {
         let fields = self.fields;
         let heading = match column {
             ColumnName::Number(number) if *number <= fields.len() => return Ok(number - 1),

@@ -1,5 +1,6 @@
 //! Headings of columns: the quantity and its unit.
 
+use super::clock::ClockTime;
 use super::input::{Place, TableError, quoted};
 use super::unit_name::{UnitName, parse_unit, split_any_unit, split_unit};
 use crate::numeric::{Dimension, Unit, reads_as_unit};
@@ -33,6 +34,13 @@ pub(super) const TIME: Quantity = quantity("time", "_s", Dimension::TIME, ["s", 
     "temps",
     "timestamp",
     "elapsed_time",
+    "x_value",
+    "uhrzeit",
+    "zeitstempel",
+    "heure",
+    "horodatage",
+    "datetime",
+    "date_time",
 ]);
 pub(super) const ACCELERATION: Quantity =
     quantity("acceleration", "_m_s2", Dimension::ACCELERATION, ["m/s^2", "cm/s^2"]).or(&[
@@ -85,6 +93,21 @@ pub(super) const ROOT_STRAIN: Quantity =
 /// Voltage, which is no unit of the link's mechanics: V counts as a pure number here.
 pub(super) const VOLTAGE: Quantity = quantity("voltage", "_v", Dimension::NONE, ["V", "mV"]);
 
+/// Columns of a frequency response. Their units are those of the response.
+pub(super) const FREQUENCY: Quantity =
+    quantity("frequency", "_hz", Dimension::RATE, ["Hz", "rad/s"]).or(&[
+        "f",
+        "freq",
+        "frequenz",
+        "fréquence",
+    ]);
+pub(super) const REAL: Quantity = quantity("real", "_1", Dimension::NONE, ["1", "1"]).or(&["re"]);
+pub(super) const IMAGINARY: Quantity =
+    quantity("imaginary", "_1", Dimension::NONE, ["1", "1"]).or(&["imag", "im"]);
+pub(super) const GAIN: Quantity =
+    quantity("gain", "_1", Dimension::NONE, ["1", "dB"]).or(&["magnitude", "mag", "amplitude"]);
+pub(super) const PHASE: Quantity = quantity("phase", "_rad", Dimension::NONE, ["rad", "deg"]);
+
 /// Places of an arm's tip.
 pub(super) const PATH_X: Quantity = quantity("x", "_m", Dimension::LENGTH, ["m", "mm"]);
 pub(super) const PATH_Y: Quantity = quantity("y", "_m", Dimension::LENGTH, ["m", "mm"]);
@@ -92,6 +115,26 @@ pub(super) const PATH_Y: Quantity = quantity("y", "_m", Dimension::LENGTH, ["m",
 pub(super) const ANGLES: [Quantity; 9] = nine(
     ["angle1", "angle2", "angle3", "angle4", "angle5", "angle6", "angle7", "angle8", "angle9"],
     quantity("", "_rad", Dimension::NONE, ["rad", "deg"]),
+);
+/// Angles of an arm's joints.
+pub(super) const JOINTS: [Quantity; 9] = nine(
+    ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7", "joint8", "joint9"],
+    quantity("", "_rad", Dimension::NONE, ["rad", "deg"]),
+);
+/// Rates of an arm's joints.
+pub(super) const JOINT_RATES: [Quantity; 9] = nine(
+    [
+        "joint1_rate",
+        "joint2_rate",
+        "joint3_rate",
+        "joint4_rate",
+        "joint5_rate",
+        "joint6_rate",
+        "joint7_rate",
+        "joint8_rate",
+        "joint9_rate",
+    ],
+    quantity("", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]),
 );
 /// Torques of an arm's joints.
 pub(super) const JOINT_TORQUES: [Quantity; 9] = nine(
@@ -128,8 +171,14 @@ pub(super) const fn joined<const N: usize>(lists: &[&[Quantity]]) -> [Quantity; 
     all
 }
 
-/// All quantities that an option may name, besides [`ANGLES`].
-pub(super) const QUANTITIES: [Quantity; 16] = [
+/// All quantities that an option may name.
+pub(super) fn all_quantities() -> impl Iterator<Item = Quantity> {
+    let of_links = [ANGLES, JOINTS, JOINT_RATES, JOINT_TORQUES];
+    QUANTITIES.into_iter().chain([TIP]).chain(of_links.into_iter().flatten())
+}
+
+/// Quantities that an option may name, besides those of an arm's links.
+pub(super) const QUANTITIES: [Quantity; 21] = [
     TIME,
     ACCELERATION,
     VELOCITY,
@@ -146,6 +195,11 @@ pub(super) const QUANTITIES: [Quantity; 16] = [
     VOLTAGE,
     PATH_X,
     PATH_Y,
+    FREQUENCY,
+    REAL,
+    IMAGINARY,
+    GAIN,
+    PHASE,
 ];
 
 impl Quantity {
@@ -292,6 +346,10 @@ pub(super) struct Heading {
     pub(super) name: String,
     /// The unit as written, or the SI unit.
     pub(super) unit_text: String,
+    /// True for times of a rate of samples, which are no column.
+    pub(super) is_counted: bool,
+    /// True if the table or the user names the unit.
+    has_unit: bool,
     /// Unit of the column; `None` for SI.
     unit: Option<Unit>,
     factor: Option<f64>,
@@ -313,6 +371,8 @@ impl Heading {
             return Err(place.refuse(format!("unit of {name}"), quoted(unit), must));
         }
         let unit_text = if suffixed { Some(quantity.units[0]) } else { unit_text };
+        // A pattern such as hh:mm:ss describes times of day.
+        let unit_text = unit_text.filter(|text| quantity != TIME || !text.contains(':'));
         let own = unit_text.map(|text| read_unit(text, name, quantity, place)).transpose();
         let own = match own {
             // An unknown unit, such as counts: the user's factor or unit converts it.
@@ -333,9 +393,54 @@ impl Heading {
             quantity,
             name: name.to_owned(),
             unit_text: text.unwrap_or(quantity.units[0]).to_owned(),
+            is_counted: false,
+            has_unit: text.is_some(),
             unit: own.filter(|_| !suffixed).or(measure.unit.map(|given| given.unit)),
             factor: measure.factor,
         })
+    }
+
+    /// The time of a table without times, at a rate of samples.
+    pub(super) fn counted(index: usize) -> Self {
+        Self {
+            index,
+            quantity: TIME,
+            name: TIME.word.to_owned(),
+            unit_text: TIME.units[0].to_owned(),
+            is_counted: true,
+            has_unit: false,
+            unit: None,
+            factor: None,
+        }
+    }
+
+    /// True if the table or the user names a unit or a factor.
+    pub(super) fn has_measure(&self) -> bool {
+        self.has_unit || self.factor.is_some()
+    }
+
+    /// Takes the unit of a time since 1970 of the years 1998 to 2103 from its size, if no unit is named: ms, us or ns. As
+    /// seconds such a time would be some 30000 years or more.
+    pub(super) fn guess_epoch(&mut self, field: &str) -> Option<&'static str> {
+        let time = field.parse::<f64>().ok().filter(|_| !self.has_measure())?;
+        let units = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
+        let is_within = |(_, per_s): &(&str, f64)| (0.9e9..4.2e9).contains(&(time / per_s));
+        let (unit, _) = units.into_iter().find(is_within)?;
+        self.unit = parse_unit(unit).ok();
+        unit.clone_into(&mut self.unit_text);
+        Some(unit)
+    }
+
+    /// The instant of so many ns or us since 1970 that a float would lose digits of a time.
+    pub(super) fn instant(&self, field: &str) -> Option<ClockTime> {
+        /// Digits that are exact in a float.
+        const EXACT: usize = 15;
+        let is_long = field.len() > EXACT && field.bytes().all(|byte| byte.is_ascii_digit());
+        let unit_s = is_long.then(|| self.to_si(1.0))?;
+        let is_of = |per_s: &i64| (unit_s * *per_s as f64 - 1.0).abs() < 1e-9;
+        let per_s = [1_000_000, 1_000_000_000].into_iter().find(is_of)?;
+        let text = format!("{field} {}", self.unit_text);
+        Some(ClockTime::since_1970(text, field.parse().ok()?, per_s))
     }
 
     /// Converts a value of this column to SI.

@@ -10,6 +10,7 @@ use std::{fs, io};
 use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
+use super::encoding::first_foreign;
 use crate::system::available_memory;
 use crate::text::{excerpt, visible};
 
@@ -154,11 +155,7 @@ pub(crate) fn sha256(bytes: &[u8]) -> String {
 
 /// Refuses a long input whose beginning is not text.
 fn check_text(shown: &str, bytes: &[u8]) -> Result<(), InputError> {
-    let nul = bytes.iter().position(|byte| *byte == 0);
-    // The beginning may end inside a letter.
-    let foreign = std::str::from_utf8(bytes).err().filter(|error| error.error_len().is_some());
-    let foreign = foreign.map(|error| error.valid_up_to());
-    nul.into_iter().chain(foreign).min().map_or(Ok(()), |at| {
+    first_foreign(bytes).map_or(Ok(()), |at| {
         let cause = format!("not a text file: byte {} is {:#04x}", at + 1, bytes[at]);
         Err(InputError::because(shown, cause, Some(remedy(bytes))))
     })
@@ -391,7 +388,7 @@ mod tests {
         }
         for (pattern, words) in [
             (&b"1,2\n\0"[..], "not a text file: byte 5 is 0x00"),
-            (b"time,a\n\xff\xfe", "not a text file: byte 8 is 0xff"),
+            (b"time,a\n\xff\x81", "not a text file: byte 9 is 0x81"),
             (b"\0", "not a text file: byte 1 is 0x00"),
         ] {
             let mut endless = Endless(pattern, 0);

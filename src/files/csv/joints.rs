@@ -3,8 +3,8 @@
 use super::columns::{Beside, Columns, Header};
 use super::format::{Reading, TableFormat};
 use super::heading::{
-    CARRIAGE, CARRIAGE_VELOCITY, FORCE, HUB_ANGLE, HUB_RATE, Heading, JOINT_TORQUES, PATH_X,
-    PATH_Y, Quantity, Spelling, TIME, TORQUE, Vocabulary, joined, names, nearest, nine, quantity,
+    CARRIAGE, CARRIAGE_VELOCITY, FORCE, HUB_ANGLE, HUB_RATE, Heading, JOINT_RATES, JOINT_TORQUES,
+    JOINTS, PATH_X, PATH_Y, Quantity, Spelling, TIME, TORQUE, Vocabulary, joined, names, nearest,
     unread_unit,
 };
 use super::input::{Place, TableError, quoted};
@@ -12,30 +12,8 @@ use super::quality::doubt;
 use super::samples::Samples;
 use super::unit_name::{parse_unit, split_any_unit, split_unit};
 use crate::link::Arm;
-use crate::numeric::Dimension;
 use crate::response::{HubReference, Torque};
 use crate::result::TipPlaces;
-
-/// Angles of an arm's joints.
-pub(super) const JOINTS: [Quantity; 9] = nine(
-    ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7", "joint8", "joint9"],
-    quantity("", "_rad", Dimension::NONE, ["rad", "deg"]),
-);
-/// Rates of an arm's joints.
-pub(super) const JOINT_RATES: [Quantity; 9] = nine(
-    [
-        "joint1_rate",
-        "joint2_rate",
-        "joint3_rate",
-        "joint4_rate",
-        "joint5_rate",
-        "joint6_rate",
-        "joint7_rate",
-        "joint8_rate",
-        "joint9_rate",
-    ],
-    quantity("", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]),
-);
 
 /// The joints of a table: their number, and whether a carriage slides. A number alone means hubs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -220,7 +198,7 @@ fn torques(
     quantities: &[Quantity],
 ) -> Result<(Vec<Torque>, Reading), TableError> {
     doubt(&mut samples);
-    let (time_s, columns) = samples.take_uniform(quantities);
+    let (time_s, columns) = samples.take_uniform(quantities)?;
     let torques = columns.into_iter().flatten().map(|n_m| Torque::new(&time_s, n_m));
     let torques = samples.history(quantities[0], torques.collect())?;
     Ok((torques, samples.reading))
@@ -284,7 +262,7 @@ fn references(
     motions: &[[Quantity; 2]],
 ) -> Result<(Vec<HubReference>, Reading), TableError> {
     doubt(&mut samples);
-    let (time_s, columns) = samples.take_uniform(&motions.concat());
+    let (time_s, columns) = samples.take_uniform(&motions.concat())?;
     let references = columns.chunks_exact(2).filter_map(|motion| {
         let angle_rad = motion[0].clone()?;
         Some(HubReference::new(&time_s, angle_rad, motion[1].clone()))
@@ -293,12 +271,16 @@ fn references(
     Ok((references, samples.reading))
 }
 
-/// Reads the places of a tip for comparison with a simulation: `time`, `x` and `y`, as in `tip.csv` of `solve`. Other
+/// Reads the places of a tip for comparison with a simulation, with the user's options for their form: `time`, `x` and `y`, as in `tip.csv` of `solve`. Other
 /// columns are ignored.
 ///
 /// # Errors
 /// Those of [`read_joint_torques`].
-pub fn read_tip_places(name: &str, bytes: &[u8]) -> Result<(TipPlaces, Reading), TableError> {
+pub fn read_tip_places(
+    name: &str,
+    bytes: &[u8],
+    format: &TableFormat,
+) -> Result<(TipPlaces, Reading), TableError> {
     let columns = |header: Header| {
         let columns = Columns::find(&PLACES, header, Beside::Time)?;
         [TIME, PATH_X, PATH_Y]
@@ -306,10 +288,10 @@ pub fn read_tip_places(name: &str, bytes: &[u8]) -> Result<(TipPlaces, Reading),
             .try_for_each(|quantity| columns.require(*quantity, header))?;
         Ok(columns)
     };
-    let mut samples = Samples::read(name, bytes, &TableFormat::default(), columns)?;
+    let mut samples = Samples::read(name, bytes, format, columns)?;
     doubt(&mut samples);
-    let (time_s, at_m) = samples.take_uniform(&[PATH_X, PATH_Y]);
-    let grid = samples.grid_from(0, &time_s)?;
+    let (time_s, at_m) = samples.take_uniform(&[PATH_X, PATH_Y])?;
+    let grid = samples.grid(&time_s)?;
     let at_m = at_m.into_iter().map(Option::unwrap_or_default).collect();
     Ok((TipPlaces { grid, at_m }, samples.reading))
 }

@@ -1,11 +1,16 @@
 //! CSV: reading, writing, and numbers as text; defines the name and the unit of every column once.
 
+mod clock;
 mod columns;
+mod dialect;
+mod encoding;
 mod format;
+mod head;
 mod heading;
 mod input;
 mod joints;
 mod motion;
+mod motion_begins;
 mod motion_columns;
 mod number;
 mod quality;
@@ -17,7 +22,8 @@ mod samples;
 mod table;
 mod unit_name;
 
-pub use format::{ColumnChoice, ColumnScale, Decimal, Delimiter, Reading, TableFormat};
+pub use clock::ClockTime;
+pub use format::{ColumnChoice, ColumnScale, Decimal, Delimiter, Reading, SampleRate, TableFormat};
 pub(crate) use heading::{check_separator, refuse_missing};
 pub use input::{InputError, InputFile, TableError, system_words};
 pub(crate) use input::{Place, quoted, sha256};
@@ -29,6 +35,7 @@ pub use motion::{
     MotionTable, SampleRows, read_motion_table, read_motion_table_as, read_target, write_path,
     write_trajectory,
 };
+pub use motion_begins::MotionBegins;
 pub(crate) use number::time_format;
 pub use number::{Digits, NumberFormat};
 pub use record::{RecordTable, read_decay, read_record, read_recording, read_recording_as};
@@ -36,5 +43,5 @@ pub use response::{ResponseTable, read_frequency_response};
 pub(crate) use rows::{CHECK, check_content, read_rows, utf8, without_checks};
 pub use rows::{checked_header, checked_rows, read_table};
 pub use table::{Column, ColumnGroup, write_csv};
-pub(crate) use table::{write_columns, write_nodal};
+pub(crate) use table::{write_columns, write_formatted, write_nodal};
 pub use unit_name::UnitName;

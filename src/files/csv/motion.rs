@@ -9,7 +9,7 @@ use super::format::{Reading, TableFormat};
 use super::heading::{
     ACCELERATION, ANGLE, ANGLES, CARRIAGE, DISPLACEMENT, PATH_X, PATH_Y, Quantity, TIME, VELOCITY,
 };
-use super::input::{BY_HEADINGS, Place, TableError};
+use super::input::{Place, TableError};
 use super::motion_columns::{motion_columns, path_columns, take_angle};
 use super::number::Digits;
 use super::quality::{Judged, digits_of, settle};
@@ -323,7 +323,7 @@ fn tip_samples(
     Ok(Sampled::Tip { columns, recording, first_angle_rad })
 }
 
-/// Reads a displacement for comparison, with [`MotionTable::into_target`]. Times up to a twentieth of a step off a
+/// Reads a displacement for comparison with the user's options for its form, with [`MotionTable::into_target`]. Times up to a twentieth of a step off a
 /// uniform grid are interpolated like those of a motion. With gravity angles are absolute.
 ///
 /// # Errors
@@ -332,10 +332,15 @@ pub fn read_target(
     name: &str,
     bytes: &[u8],
     link: &Link,
+    format: &TableFormat,
 ) -> Result<(TipTarget, Reading), TableError> {
-    let table = read_motion_table(name, bytes, link.output_m())
-        .map_err(|error| error.of_named_file(BY_HEADINGS))?
-        .of_link(link)?;
+    let table = read_motion_table_as(name, bytes, &[link.output_m()], format)?.of_link(link)?;
+    let is_placed = table.columns().is_some_and(|columns| columns.displacement_m.is_some());
+    let table = match format.resample_s.filter(|_| is_placed) {
+        // A target need not rest at its ends.
+        Some(step_s) => table.with_ends(Ends::Moving).resampled(step_s)?,
+        None => table,
+    };
     let mut reading = table.reading.clone();
     let Sampled::Tip { columns, recording, .. } = &table.sampled else {
         return Ok((table.into_target()?, reading));

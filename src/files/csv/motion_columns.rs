@@ -61,6 +61,7 @@ pub(super) fn motion_columns(header: Header) -> Result<Columns, TableError> {
     }
     let hint = "displacement = angle * link length; keep one of them, or choose it with --columns";
     columns.refuse_both([DISPLACEMENT, ANGLE], header, hint)?;
+    check_angle(&columns, header)?;
     let by_option = || TRAJECTORY.by_option.to_owned();
     columns.require(TIME, header).map_err(|error| error.or_hint(by_option()))?;
     if !is_motion {
@@ -72,6 +73,30 @@ pub(super) fn motion_columns(header: Header) -> Result<Columns, TableError> {
     }
     columns.reading.unread = unread(&columns, fields, &TRAJECTORY, OTHER);
     Ok(columns)
+}
+
+/// Refuses an angle with a common heading, such as `Angle (°)`, beside a displacement that is not read: it may be the
+/// hub's.
+fn check_angle(columns: &Columns, header: Header) -> Result<(), TableError> {
+    let Header { fields, place, format } = header;
+    let column = |quantity, way| {
+        fields.iter().position(|field| TRAJECTORY.spelling(field, quantity) == Some(way))
+    };
+    let is_chosen = format.columns.iter().any(|choice| choice.quantity != TIME);
+    let found = column(ANGLE, Spelling::Free).zip(column(DISPLACEMENT, Spelling::Alias));
+    let Some((angle, other)) = found.filter(|_| !is_chosen && columns.has(ANGLE)) else {
+        return Ok(());
+    };
+    let must = format!(
+        "must not stand beside {}: either may be the motion of the tip",
+        quoted(fields[other])
+    );
+    let hint = format!(
+        "--columns time=1,displacement={} or --columns time=1,angle={} chooses one",
+        other + 1,
+        angle + 1
+    );
+    Err(place.refuse_column(angle, fields[angle], must).with_hint(hint))
 }
 
 /// Reads the first row, and checks that its columns describe a path.
@@ -327,6 +352,15 @@ mod tests {
         assert!(turns.to_string().starts_with("p.csv:4: turn of x and y"), "{turns}");
         let text = places((0..=100).map(angle), LENGTH_M);
         assert!(read(&text, &["x=2"]).is_err(), "y is not chosen");
+    }
+
+    #[test]
+    fn an_angle_beside_a_displacement_of_another_name_is_chosen_by_the_user() {
+        let text = "Temps;Déplacement (mm);Angle (°)\n0;0;0\n1;1;2\n2;2;4\n3;3;6\n";
+        let error = read(text, &[]).unwrap_err().to_string();
+        assert!(error.contains("must not stand beside"), "{error}");
+        assert!(read(text, &["time=1", "angle=3"]).is_ok());
+        assert!(read(text, &["time=1", "displacement=2"]).is_ok());
     }
 
     #[test]

@@ -4,11 +4,12 @@ use super::columns::{Beside, Columns, Header};
 use super::format::{ColumnScale, Reading, TableFormat};
 use super::heading::{
     ACCELERATION, CARRIAGE, CARRIAGE_VELOCITY, DEFLECTION, DISPLACEMENT, FORCE, HUB_ANGLE,
-    HUB_RATE, Heading, JOINT_TORQUES, Measure, PATH_X, PATH_Y, Quantity, ROOT_STRAIN, Spelling,
-    TIME, TIP, TORQUE, VELOCITY, VOLTAGE, Vocabulary, joined, names, quantity, refuse_missing,
+    HUB_RATE, Heading, JOINT_RATES, JOINT_TORQUES, JOINTS, Measure, PATH_X, PATH_Y, Quantity,
+    ROOT_STRAIN, Spelling, TIME, TIP, TORQUE, VELOCITY, VOLTAGE, Vocabulary, joined, names,
+    quantity, refuse_missing,
 };
 use super::input::{BY_HEADINGS, Place, TableError};
-use super::joints::{JOINT_RATES, JOINTS, Joints};
+use super::joints::Joints;
 use super::motion_columns::unread;
 use super::quality::{Judged, doubt};
 use super::samples::MIN_SAMPLES;
@@ -42,7 +43,7 @@ const RECORD: Vocabulary = Vocabulary {
 
 /// Keys about a record in the file that names it, for hints.
 const CHOICES: &str = "columns = [\"time=1\", \"torque=2\"] chooses columns by number or heading; skip = 3 \
-                       leaves lines out; scale = [\"hub_angle=0.0015\"] makes SI of counts; gain = \"free\" takes a sensor's numbers in any unit";
+                       leaves lines out; scale = [\"hub_angle=0.0015\"] makes SI of counts; resample = \"5 ms\" leaves out rows without a value; gain = \"free\" takes a sensor's numbers in any unit";
 
 /// A recorded table, in SI at uniform times.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,8 +95,8 @@ pub fn read_record(
     let mut taken: Vec<Vec<f64>> =
         wanted.iter().map(|wanted| samples.take(*wanted).unwrap_or_default()).collect();
     let time_s = taken.remove(0);
-    let time_s = samples.make_uniform(time_s, taken.iter_mut().collect());
-    let grid = samples.grid_from(0, &time_s)?;
+    let time_s = samples.make_uniform(time_s, taken.iter_mut().collect())?;
+    let grid = samples.grid(&time_s)?;
     let (input, units) = (taken.remove(0), units[2..].to_vec());
     Ok(RecordTable { grid, input, channels: taken, units, reading: samples.reading })
 }
@@ -265,7 +266,8 @@ fn channel_columns(
     };
     let is_chosen = |quantity| format.columns.iter().any(|own| own.quantity == quantity);
     let counts = |own: &Heading| {
-        let spelling = vocabulary.spelling(fields[own.index], own.quantity);
+        let field = fields.get(own.index).copied().unwrap_or_default();
+        let spelling = vocabulary.spelling(field, own.quantity);
         let is_common = !format.columns.is_empty() && spelling == Some(Spelling::Alias);
         has(own.quantity) && (own.quantity == TIME || is_chosen(own.quantity) || !is_common)
     };
@@ -353,6 +355,7 @@ pub fn read_decay(
             samples.windows(2).any(|pair| pair[0].total_cmp(&pair[1]).is_ne())
         });
     }
+    samples.lines = samples.lines[within.clone()].to_vec();
     let place = Place { file: name, line: None };
     let words: Vec<String> = columns.iter().map(|(own, _)| word_of(*own)).collect();
     let [(_, column)] = &mut columns[..] else {
@@ -373,13 +376,13 @@ pub fn read_decay(
         time_s: &time_s[within.clone()],
         values: column,
     };
-    samples.reading.doubt = judged.doubt(&samples.lines[first..]);
-    let uniform_s = samples.make_uniform(time_s[within].to_vec(), vec![column]);
+    samples.reading.doubt = judged.doubt(&samples.lines);
+    let uniform_s = samples.make_uniform(time_s[within].to_vec(), vec![column])?;
     let decay = DecaySamples {
         name: name.to_owned(),
         column: words[0].clone(),
         start_s: uniform_s[0],
-        step_s: samples.grid_from(first, &uniform_s)?.step_s,
+        step_s: samples.grid(&uniform_s)?.step_s,
         samples: std::mem::take(column),
     };
     Ok((decay, samples.reading))

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::input::{Place, TableError};
-use super::motion::{MotionTable, Sampled};
+use super::motion::{MotionTable, SampleRows, Sampled};
 use super::quality;
 use super::samples::Uniform;
 use crate::link::Link;
@@ -127,6 +127,39 @@ impl MotionTable {
         Err(place.refuse_whole(&must).with_hint(Some(hint.to_owned())))
     }
 
+    /// Declares normal noise of this standard deviation in rad on a motion of angles: of a link of this length in m, or the
+    /// directions of an arm's links.
+    ///
+    /// # Errors
+    /// Those of [`MotionTable::with_noise`]; also a motion of lengths.
+    pub fn with_angle_noise(
+        mut self,
+        deviation_rad: f64,
+        link_length_m: f64,
+    ) -> Result<Self, TableError> {
+        match &mut self.sampled {
+            Sampled::Tip { first_angle_rad: Some(_), .. } => {
+                return self.with_noise(deviation_rad * link_length_m);
+            }
+            Sampled::Path { columns, lengths_m }
+                if columns.tip.is_none() && columns.carriage.is_none() =>
+            {
+                // The noise of a direction is that of its arc over its length.
+                for (PathColumn { name, values, recording }, _) in columns.each_mut(lengths_m) {
+                    let noise = declare_noise(values, recording, deviation_rad);
+                    noise.map_err(|error| self.rows.noisy(&format!("{name}: {error}")))?;
+                }
+            }
+            _ => {
+                let place = Place { file: &self.rows.name, line: None };
+                let error = place.refuse_whole("--noise is an angle, but the motion has lengths");
+                let hint = "state the noise as a length, as in --noise '0.1 mm'";
+                return Err(error.with_hint(hint.to_owned()));
+            }
+        }
+        Ok(self)
+    }
+
     /// Declares normal noise of this standard deviation in m on the displacement, or on all places of a path; the rests
     /// at the ends become their means. A direction of a link has the noise of the arc that its tip makes.
     ///
@@ -151,11 +184,7 @@ impl MotionTable {
                 },
             ),
         };
-        declared.map_err(|why| {
-            let hint =
-                "record the tip at rest before and after the motion, or state the noise as it is";
-            place.refuse_whole(&why).with_hint(Some(hint.to_owned()))
-        })?;
+        declared.map_err(|why| self.rows.noisy(&why))?;
         Ok(self)
     }
 
@@ -258,6 +287,16 @@ impl MotionTable {
         let mut uniform = self.at_steps(steps, step_s);
         uniform.record(|recording| recording.jitter = jitter);
         Self { rows, ..uniform }
+    }
+}
+
+impl SampleRows {
+    /// The refusal of a noise.
+    fn noisy(&self, why: &str) -> TableError {
+        let hint =
+            "record the tip at rest before and after the motion, or state the noise as it is";
+        let place = Place { file: &self.name, line: None };
+        place.refuse_whole(why).with_hint(Some(hint.to_owned()))
     }
 }
 

@@ -4,13 +4,23 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
-use super::format::Reading;
+use super::columns::Header;
+use super::format::{Reading, TableFormat};
+use super::heading::{FREQUENCY, GAIN, IMAGINARY, PHASE, Quantity, REAL, Vocabulary};
 use super::input::{Place, TableError, quoted};
-use super::rows::read_table;
+use super::rows::read_table_as;
 use super::unit_name::split_any_unit;
 use crate::compare::{Cell, Table, TableColumn};
 use crate::numeric::magnitude;
 use crate::text::significant;
+
+/// Names of a frequency response.
+const RESPONSE: Vocabulary =
+    Vocabulary { quantities: &[FREQUENCY, REAL, IMAGINARY, GAIN, PHASE], ..Vocabulary::NONE };
+
+/// Remedy for columns that are not found, for hints.
+const BY_KEYS: &str = "columns = [\"frequency=1\", \"real=2\", \"imaginary=3\"] chooses columns by number or heading; \
+                       skip = 3 leaves lines out";
 
 /// Factor from decibels to powers of ten.
 const DECIBELS: f64 = 0.05;
@@ -25,6 +35,8 @@ const SAME_FREQUENCY: f64 = 1e-4;
 struct Found<'a> {
     column: &'a TableColumn,
     factor: f64,
+    /// Factor of the user on the numbers, before their unit.
+    scale: f64,
     has_unit: bool,
 }
 
@@ -39,7 +51,7 @@ pub struct ResponseTable {
     pub reading: Reading,
 }
 
-/// Reads a measured frequency response.
+/// Reads a measured frequency response with the user's options for its form.
 ///
 /// Columns are `frequency` and either `real` and `imaginary`, or `gain` and `phase`; units in brackets or parentheses
 /// may be Hz, kHz, rad/s, dB, deg and rad. Numbers without a unit are in SI, phases in radians; phases that cannot be
@@ -49,7 +61,7 @@ pub struct ResponseTable {
 /// ```
 /// use flexlink::csv::read_frequency_response;
 /// let file = b"frequency [Hz],gain,phase [deg]\n1,2,90\n2,1,180\n";
-/// let table = read_frequency_response("frf.csv", file)?;
+/// let table = read_frequency_response("frf.csv", file, &Default::default())?;
 /// assert_eq!(table.frequencies_hz, [1.0, 2.0]);
 /// assert!((table.values[0].im - 2.0).abs() < 1e-15);
 /// # Ok::<(), flexlink::csv::TableError>(())
@@ -58,8 +70,12 @@ pub struct ResponseTable {
 /// # Errors
 /// [`TableError`] names a missing column, the line of a field that is not finite, a row at 0 Hz, and a row below 0 Hz
 /// that is no conjugate of the row above.
-pub fn read_frequency_response(name: &str, bytes: &[u8]) -> Result<ResponseTable, TableError> {
-    let table = read_table(name, bytes)?;
+pub fn read_frequency_response(
+    name: &str,
+    bytes: &[u8],
+    format: &TableFormat,
+) -> Result<ResponseTable, TableError> {
+    let (table, mut said) = read_table_as(name, bytes, format)?;
     let place = Place { file: name, line: None };
     let hertz = |unit: &str| match unit {
         "" | "hz" => Some(1.0),
@@ -81,14 +97,25 @@ pub fn read_frequency_response(name: &str, bytes: &[u8]) -> Result<ResponseTable
         "" | "rad" => Some(1.0),
         _ => None,
     };
-    let find =
-        |names: &[&str], factor: &dyn Fn(&str) -> Option<f64>| found(&table, names, factor, place);
+    let names: Vec<&str> = table.names().collect();
+    let header = Header { fields: &names, format, place };
+    for choice in &format.columns {
+        header.check_quantity(&RESPONSE, choice.quantity, "columns")?;
+    }
+    for scale in &format.scales {
+        header.check_quantity(&RESPONSE, scale.quantity, "scale")?;
+    }
+    let find = |quantity: Quantity, factor: &dyn Fn(&str) -> Option<f64>| {
+        let found = found(&table, header, quantity, factor);
+        found.map_err(|error| error.of_named_file(BY_KEYS))
+    };
     let must = "must include frequency, and real and imaginary or gain and phase";
     let columns = || table.names().collect::<Vec<_>>().join(",");
-    let missing = || place.refuse("columns", quoted(&columns()), must);
-    let frequencies = find(&["frequency", "frequency_hz", "f"], &hertz)?.ok_or_else(missing)?;
-    let real = find(&["real", "re"], &si)?.zip(find(&["imaginary", "imag", "im"], &si)?);
-    let polar = find(&["gain", "magnitude"], &decibels)?.zip(find(&["phase"], &radians)?);
+    let missing =
+        || place.refuse("columns", quoted(&columns()), must).with_hint(BY_KEYS.to_owned());
+    let frequencies = find(FREQUENCY, &hertz)?.ok_or_else(missing)?;
+    let real = find(REAL, &si)?.zip(find(IMAGINARY, &si)?);
+    let polar = find(GAIN, &decibels)?.zip(find(PHASE, &radians)?);
     let rows = table.lines.len();
     let frequencies_hz = numbers(&table, &frequencies, place)?;
     let at_rest = frequencies_hz.iter().position(|hertz| *hertz == 0.0);
@@ -98,7 +125,6 @@ pub fn read_frequency_response(name: &str, bytes: &[u8]) -> Result<ResponseTable
         let error = place.refuse("frequency", table_text(&frequencies, row), "must be above 0");
         return Err(error.with_hint(hint.to_owned()));
     }
-    let mut said = Vec::new();
     let values: Vec<Complex64> = match (real, polar) {
         (Some((re, im)), None) => {
             let [re, im] = [numbers(&table, &re, place)?, numbers(&table, &im, place)?];
@@ -194,31 +220,37 @@ fn gains(table: &Table, found: &Found, place: Place) -> Result<Vec<f64>, TableEr
     }
 }
 
-/// The column with one of these names, in any case, and the factor of its unit.
+/// The column of a quantity, by the user's choice or its name, and the factor of its unit.
 fn found<'a>(
     table: &'a Table,
-    names: &[&str],
+    header: Header,
+    quantity: Quantity,
     factor: &dyn Fn(&str) -> Option<f64>,
-    place: Place,
 ) -> Result<Option<Found<'a>>, TableError> {
-    for column in &table.columns {
-        let lower = column.name().to_lowercase();
-        let (name, unit) = split_any_unit(&lower);
-        let has_unit = unit.is_some();
-        let unit = unit.unwrap_or_default();
-        if names.contains(&name) {
-            let must = "must be one that the column may have: Hz, kHz, rad/s; dB or SI; deg or rad";
-            let unknown = || place.refuse(format!("unit of {name}"), quoted(unit), must);
-            let factor = factor(unit).ok_or_else(unknown)?;
-            return Ok(Some(Found { column, factor, has_unit }));
-        }
-    }
-    Ok(None)
+    let chosen = header.format.columns.iter().find(|choice| choice.quantity == quantity);
+    let index = match chosen {
+        Some(choice) => Some(header.index_of(quantity, &choice.column)?),
+        None => header
+            .fields
+            .iter()
+            .position(|field| RESPONSE.spelling(&field.to_lowercase(), quantity).is_some()),
+    };
+    let Some(column) = index.map(|index| &table.columns[index]) else { return Ok(None) };
+    let lower = column.name().to_lowercase();
+    let (name, unit) = split_any_unit(&lower);
+    let has_unit = unit.is_some();
+    let unit = unit.unwrap_or_default();
+    let must = "must be one that the column may have: Hz, kHz, rad/s; dB or SI; deg or rad";
+    let unknown = || header.place.refuse(format!("unit of {name}"), quoted(unit), must);
+    let factor = factor(unit).ok_or_else(unknown)?;
+    let scale = header.format.scales.iter().find(|scale| scale.quantity == quantity);
+    let scale = scale.map_or(1.0, |scale| scale.factor);
+    Ok(Some(Found { column, factor, scale, has_unit }))
 }
 
 fn numbers(table: &Table, found: &Found, place: Place) -> Result<Vec<f64>, TableError> {
     let number = |(row, line): (usize, &u64)| match found.column.cell(row) {
-        Cell::Number(number) if number.is_finite() => Ok(number * found.factor),
+        Cell::Number(number) if number.is_finite() => Ok(number * found.scale * found.factor),
         _ => {
             let place = Place { line: Some(*line), ..place };
             let text = found.column.text(row);
@@ -278,6 +310,41 @@ fn bare_phase(mut rows: Vec<PolarRow>) -> (f64, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_response_is_read_in_any_form() {
+        let row = |k: u32| (f64::from(k), 1.0 / f64::from(k), -f64::from(k));
+        let rows = |row_text: &dyn Fn((f64, f64, f64)) -> String| {
+            (1..9).map(|k| row_text(row(k)) + "\n").collect::<String>()
+        };
+        let comma = rows(&|(f, re, im)| format!("{f};{re};{im}").replace('.', ","));
+        let kilo = rows(&|(f, re, im)| format!("{} {} {}", f / 1e3, 1e3 * re, 1e3 * im));
+        let numbered = || TableFormat {
+            columns: ["frequency=1", "real=2", "imaginary=3"]
+                .map(|own| own.parse().unwrap())
+                .into(),
+            ..TableFormat::default()
+        };
+        let scales = ["frequency=1e3", "real=1e-3", "imaginary=1e-3"];
+        let scaled =
+            TableFormat { scales: scales.map(|own| own.parse().unwrap()).into(), ..numbered() };
+        let skipped = TableFormat { skip: 1, ..numbered() };
+        for (text, format) in [
+            (format!("Freq (Hz);re;im\n{comma}"), TableFormat::default()),
+            (format!("Analyser 5;x\nf;Re;Im\nHz;;\n{comma}"), TableFormat::default()),
+            (format!("any\n{comma}"), skipped),
+            (kilo, scaled),
+        ] {
+            let read = read_frequency_response("f.csv", text.as_bytes(), &format).unwrap();
+            assert_eq!(read.values.len(), 8, "{text}");
+            for (k, value) in (1..).zip(&read.values) {
+                let (f, re, im) = row(k);
+                let hertz = read.frequencies_hz[k as usize - 1];
+                assert!((hertz - f).abs() < 1e-12 * f, "{text}: {hertz}");
+                assert!((value - Complex64::new(re, im)).norm() < 1e-12 * im.abs(), "{text}");
+            }
+        }
+    }
 
     /// Phases in rad and gains of two resonances with a zero between them and a delay, from 1 to 20 Hz.
     fn rows(count: u32, delay_s: f64) -> Vec<PolarRow> {

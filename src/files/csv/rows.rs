@@ -4,7 +4,9 @@ use std::borrow::Cow;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::format::{Decimal, Dialect};
+use super::dialect::Dialect;
+use super::encoding::decoded;
+use super::format::{Decimal, TableFormat};
 use super::heading::check_separator;
 use super::input::{Place, TableError, disguise, quoted, remedy, sha256};
 use super::unit_name::in_brackets;
@@ -24,6 +26,7 @@ pub(crate) fn read_rows<T>(
     first: impl Fn(u64, &[&str]) -> Result<T, TableError>,
     next: impl Fn(&mut T, u64, &[&str]) -> Result<(), TableError>,
 ) -> Result<Option<T>, TableError> {
+    utf8(file, bytes)?;
     let first = |_: &Dialect, line, fields: &[&str]| first(line, fields);
     read_rows_as(file, bytes, |_| Ok(Dialect::default()), first, next)
 }
@@ -41,10 +44,16 @@ pub(super) fn read_rows_as<T>(
 ) -> Result<Option<T>, TableError> {
     let mut table = None;
     let mut read = || {
-        let text = utf8(file, bytes)?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let Some((text, encoding)) = decoded(bytes) else { return utf8(file, bytes).map(|_| ()) };
+        let text = &*text;
         check_line_ends(file, text)?;
-        let dialect = detect(text)?;
+        let mut dialect = detect(text)?;
+        dialect.found.extend(encoding.map(|name| format!("{name} as encoding")));
+        dialect.found.rotate_right(usize::from(encoding.is_some()));
+        if let Some((line, names)) = &dialect.names {
+            let fields: Vec<&str> = names.iter().map(String::as_str).collect();
+            table = Some(first(&dialect, *line, &fields)?);
+        }
         each_row(file, text, &dialect, |line, fields| {
             match &mut table {
                 None => table = Some(first(&dialect, line, fields)?),
@@ -307,6 +316,33 @@ pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
         |table, line, fields| push(table, fields, line, at(line)),
     )?;
     table.ok_or_else(|| {
+        whole.refuse_whole("has no rows, but must hold a row of names or of numbers")
+    })
+}
+
+/// [`read_table`] with the user's options for its form; also returns its deviations from the standard form.
+///
+/// # Errors
+/// Those of [`read_table`]; also an ambiguous form.
+pub(super) fn read_table_as(
+    name: &str,
+    bytes: &[u8],
+    format: &TableFormat,
+) -> Result<(Table, Vec<String>), TableError> {
+    let whole = Place { file: name, line: None };
+    let at = |line| Place { line: Some(line), ..whole };
+    let begin = |dialect: &Dialect, line, fields: &[&str]| {
+        let table = match dialect.names {
+            Some(_) => columns(fields, at(line))?,
+            None => begun(fields, line, at(line))?,
+        };
+        Ok((table, dialect.found.clone()))
+    };
+    let detect = |text: &str| Dialect::detect(name, text, format);
+    let next =
+        |(table, _): &mut (Table, _), line, fields: &[&str]| push(table, fields, line, at(line));
+    let read = read_rows_as(name, bytes, detect, begin, next)?;
+    read.ok_or_else(|| {
         whole.refuse_whole("has no rows, but must hold a row of names or of numbers")
     })
 }

@@ -1,7 +1,9 @@
 //! Named columns of a table: numbers over time in SI, and uniform times in place of the times of the table.
 
+use super::clock::ClockTime;
 use super::columns::{Columns, FirstRow, Header};
-use super::format::{Delimiter, Dialect, Reading, TableFormat};
+use super::dialect::Dialect;
+use super::format::{Delimiter, Reading, TableFormat};
 use super::heading::{
     ACCELERATION, ANGLE, ANGLES, CARRIAGE, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME,
     VELOCITY,
@@ -31,12 +33,79 @@ const NO_FIELD: &str = "the rows have no field for the last names: --skip leaves
 const WORDS: &str = "blanks divide names of several words, too: --skip leaves the names out, and --columns \
                      time=1,displacement=2 names the columns";
 
+/// Remedies for rows that a spline does not need, for hints.
+const BY_RESAMPLING: &str =
+    "--resample STEP leaves out rows without a value and rows that repeat a time, and counts them";
+
+/// Remedy for times that are not read, for hints.
+const CLOCKS: &str = "a time is a number, or reads like 17:24:05.123 or 2026-11-30T17:24:05.123; --sample-rate RATE takes \
+                      the place of the column";
+
+/// Remedy for lines between the names and the samples, for hints.
+const ABOVE: &str = "--skip N leaves out lines above the samples; --columns time=1,displacement=2 then names the columns";
+
+/// Share of the rows that may be left out.
+const MOST_LEFT_OUT: f64 = 0.1;
+
+/// Rows that are left out, with the line of the first.
+#[derive(Debug, Clone, Default)]
+struct LeftOut {
+    count: usize,
+    first_line: u64,
+}
+
+impl LeftOut {
+    fn count(&mut self, place: Place) {
+        self.count += 1;
+        if self.count == 1 {
+            self.first_line = place.line.unwrap_or_default();
+        }
+    }
+
+    /// Description for the user: these rows `that` do something.
+    fn told(&self, that: [&str; 2]) -> Option<String> {
+        let Self { count, first_line } = self;
+        match count {
+            0 => None,
+            1 => Some(format!("without line {first_line}, which {}", that[0])),
+            _ => Some(format!("without {count} rows that {}, from line {first_line} on", that[1])),
+        }
+    }
+}
+
+/// Times of day or dates in the column of the time.
+#[derive(Debug, Clone)]
+struct Clock {
+    since: ClockTime,
+    first_line: u64,
+    last: ClockTime,
+    /// Number of midnights that a time without a date has passed.
+    midnights: i64,
+}
+
+/// The columns of quantities, where the table has them.
+type Taken = Vec<Option<Vec<f64>>>;
+
 /// Columns of a table over time that the program uses, in SI, with the line of each sample.
 pub(super) struct Samples {
     /// The file as the user named it.
     file: String,
     /// Number of all columns of the table.
     width: usize,
+    /// True if a row may have no field for the last column.
+    is_long: bool,
+    /// Number of rows so far.
+    rows: usize,
+    /// Samples in a second, of a table without times.
+    rate_hz: Option<f64>,
+    since: Option<ClockTime>,
+    clock: Option<Clock>,
+    /// Step in s of uniform times.
+    resample_s: Option<f64>,
+    without_value: LeftOut,
+    repeated: LeftOut,
+    /// Values of the row that is read.
+    row: Vec<f64>,
     pub(super) headings: Vec<Heading>,
     /// Values of each heading.
     pub(super) values: Vec<Vec<f64>>,
@@ -72,6 +141,15 @@ impl Samples {
             let mut samples = Self {
                 file: name.to_owned(),
                 width: fields.len(),
+                is_long: dialect.is_long,
+                rows: 0,
+                rate_hz: format.sample_rate.as_ref().map(|rate| rate.hertz),
+                since: format.since.clone(),
+                clock: None,
+                resample_s: format.resample_s,
+                without_value: LeftOut::default(),
+                repeated: LeftOut::default(),
+                row: Vec::new(),
                 has_blanks: dialect.delimiter == Delimiter::Blanks,
                 values: vec![Vec::new(); columns.headings.len()],
                 digits: vec![Digits::default(); columns.headings.len()],
@@ -87,7 +165,7 @@ impl Samples {
         };
         let push = |samples: &mut Self, line, fields: &[&str]| samples.push(fields, at(line));
         let detect = |text: &str| Dialect::detect(name, text, format);
-        let samples = read_rows_as(name, bytes, detect, begin, push)?.ok_or_else(|| {
+        let mut samples = read_rows_as(name, bytes, detect, begin, push)?.ok_or_else(|| {
             let must = format!("must hold a row of names and {MIN_SAMPLES} samples or more");
             whole.refuse_whole(&format!("has no rows, but {must}"))
         })?;
@@ -95,7 +173,39 @@ impl Samples {
             let found = samples.lines.len().to_string();
             return Err(whole.refuse("samples", found, format!("must be {MIN_SAMPLES} or more")));
         }
+        samples.tell_rows(whole)?;
         Ok(samples)
+    }
+
+    /// Adds the clock and the rows left out to the description of the table.
+    ///
+    /// # Errors
+    /// [`TableError`] if more than a tenth of the rows are left out.
+    fn tell_rows(&mut self, place: Place) -> Result<(), TableError> {
+        if let Some(Clock { since, first_line, midnights, .. }) = &self.clock {
+            let line = if self.since.as_ref() == Some(since) {
+                ", as the table before it".to_owned()
+            } else {
+                format!(" in line {first_line}")
+            };
+            self.reading.found.push(format!("time in s since {since}{line}"));
+            self.reading.found.extend((*midnights > 0).then(|| "past midnight".to_owned()));
+            self.reading.since = Some(since.clone());
+        }
+        let left_out = self.without_value.count + self.repeated.count;
+        if left_out as f64 > MOST_LEFT_OUT * self.rows as f64 {
+            let found = format!("{left_out} of {}", self.rows);
+            let error =
+                place.refuse("rows that --resample leaves out", found, "must be at most a tenth");
+            let hint = "rows without a value and rows that repeat a time are left out: remove them, or choose a column \
+                        without gaps with --columns";
+            return Err(error.with_hint(hint.to_owned()));
+        }
+        let repeated = self.repeated.told(["repeats a time", "repeat a time"]);
+        self.reading.found.extend(repeated);
+        let empty = self.without_value.told(["lacks a value", "lack a value"]);
+        self.reading.found.extend(empty);
+        Ok(())
     }
 
     /// Number of the column of the time.
@@ -125,33 +235,46 @@ impl Samples {
     pub(super) fn take_uniform(
         &mut self,
         quantities: &[Quantity],
-    ) -> (Vec<f64>, Vec<Option<Vec<f64>>>) {
+    ) -> Result<(Vec<f64>, Taken), TableError> {
         let time_s = self.take(TIME).unwrap_or_default();
         let mut columns: Vec<_> = quantities.iter().map(|quantity| self.take(*quantity)).collect();
-        let uniform_s = self.make_uniform(time_s, columns.iter_mut().flatten().collect());
-        (uniform_s, columns)
+        let uniform_s = self.make_uniform(time_s, columns.iter_mut().flatten().collect())?;
+        Ok((uniform_s, columns))
     }
 
-    /// Interpolates columns at uniform times, if their times are off the uniform grid; returns the times.
+    /// Interpolates columns at uniform times, if their times are off the uniform grid or the user sets the step; returns
+    /// the times.
+    ///
+    /// # Errors
+    /// Those of [`whole_steps`].
     pub(super) fn make_uniform(
         &mut self,
         time_s: Vec<f64>,
         columns: Vec<&mut Vec<f64>>,
-    ) -> Vec<f64> {
+    ) -> Result<Vec<f64>, TableError> {
+        if let Some(step_s) = self.resample_s {
+            let steps = whole_steps(&time_s, step_s, &self.file)?;
+            let uniform = Uniform::of(&time_s, steps, step_s);
+            for column in columns {
+                *column = uniform.interpolated(column, SplineEnds::NotAKnot);
+            }
+            self.lines = uniform.lines(&self.lines);
+            return Ok(uniform.times_s);
+        }
         let decides = columns.first().map(|column| column.as_slice());
-        let Some(steps) = jitter(&time_s, decides) else { return time_s };
+        let Some(steps) = jitter(&time_s, decides) else { return Ok(time_s) };
         let uniform = Uniform::over(&time_s);
         for column in columns {
             *column = uniform.interpolated(column, SplineEnds::NotAKnot);
         }
         let step_s = uniform.step_s;
         self.reading.jitter = Some(Remark::Jitter { steps, step_s }.to_string());
-        uniform.times_s
+        Ok(uniform.times_s)
     }
 
-    /// The uniform grid of the times from a sample on.
-    pub(super) fn grid_from(&self, sample: usize, time_s: &[f64]) -> Result<TimeGrid, TableError> {
-        grid_of(time_s, &self.file, &self.lines[sample..])
+    /// The uniform grid of the times of all samples.
+    pub(super) fn grid(&self, time_s: &[f64]) -> Result<TimeGrid, TableError> {
+        grid_of(time_s, &self.file, &self.lines)
     }
 
     /// A history of the samples, or its error with the file and the line.
@@ -177,6 +300,64 @@ impl Samples {
     }
 
     fn push(&mut self, fields: &[&str], place: Place) -> Result<(), TableError> {
+        self.check_width(fields, place)?;
+        self.row.clear();
+        for column in 0..self.headings.len() {
+            let heading = &self.headings[column];
+            let field = fields.get(heading.index).copied().unwrap_or_default();
+            let is_time = heading.quantity == TIME;
+            if self.resample_s.is_some() && is_gap(field) && !(is_time && self.rate_hz.is_some()) {
+                self.rows += 1;
+                self.without_value.count(place);
+                return Ok(());
+            }
+            let value = if is_time {
+                self.read_time(column, field, place)?
+            } else {
+                read_number(field, heading, place).map_err(|error| match self.rows {
+                    0 => error.or_hint(ABOVE.to_owned()),
+                    _ => error,
+                })?
+            };
+            self.row.push(value);
+        }
+        self.rows += 1;
+        if let Some(time) = self.time()
+            && let (Some(before), Some(line)) = (self.values[time].last(), self.lines.last())
+            && self.row[time] <= *before
+        {
+            let is_same = self.row[time].total_cmp(before).is_eq();
+            if is_same && self.resample_s.is_some() {
+                self.repeated.count(place);
+                return Ok(());
+            }
+            let Heading { name, unit_text, index, .. } = &self.headings[time];
+            let unit = if self.clock.is_some() { "" } else { unit_text };
+            let shown = |text: &str| format!("{text} {unit}").trim_end().to_owned();
+            let must = format!("must be above {} of line {line}", shown(&self.time_text));
+            let error = place.refuse(name, shown(fields[*index]), must);
+            return Err(error.with_hint(is_same.then(|| BY_RESAMPLING.to_owned())));
+        }
+        for (column, heading) in self.headings.iter().enumerate() {
+            let text = fields.get(heading.index).copied().unwrap_or_default();
+            if heading.quantity == TIME {
+                text.clone_into(&mut self.time_text);
+            }
+            let value = self.row[column];
+            if is_followed(heading.quantity) {
+                self.digits[column].count(text, value);
+            }
+            self.values[column].push(value);
+        }
+        self.lines.extend(place.line);
+        Ok(())
+    }
+
+    /// Refuses a row with another number of fields than columns.
+    fn check_width(&self, fields: &[&str], place: Place) -> Result<(), TableError> {
+        if self.is_long && fields.len() + 1 == self.width {
+            return Ok(());
+        }
         place.check_width(fields.len(), self.width).map_err(|error| {
             let hint = (fields.len() > self.width && fields.iter().all(|field| is_digits(field)))
                 .then(|| format!("{NUMBERS}, and one comma divides two fields"));
@@ -185,30 +366,70 @@ impl Samples {
                 if self.has_blanks { Some(WORDS) } else { is_short.then_some(NO_FIELD) };
             let of_names = of_blanks.filter(|_| self.lines.is_empty());
             error.with_hint(hint.or(of_names.map(str::to_owned)))
-        })?;
-        let columns = self.headings.iter().zip(&mut self.values).zip(&mut self.digits);
-        for ((heading, values), digits) in columns {
-            let value = read_number(fields[heading.index], heading, place)?;
-            if heading.quantity == TIME {
-                let text = fields[heading.index];
-                if let (Some(before), Some(line)) = (values.last(), self.lines.last())
-                    && value <= *before
-                {
-                    let Heading { name, unit_text, .. } = heading;
-                    let must =
-                        format!("must be above {} {unit_text} of line {line}", self.time_text);
-                    return Err(place.refuse(name, format!("{text} {unit_text}"), must));
-                }
-                text.clone_into(&mut self.time_text);
-            }
-            if is_followed(heading.quantity) {
-                digits.count(fields[heading.index], value);
-            }
-            values.push(value);
-        }
-        self.lines.extend(place.line);
-        Ok(())
+        })
     }
+
+    /// Reads the time in s of a row. A column that begins with a date or a time of day has only these.
+    fn read_time(&mut self, column: usize, field: &str, place: Place) -> Result<f64, TableError> {
+        if let Some(rate_hz) = self.rate_hz {
+            return Ok(self.rows as f64 / rate_hz);
+        }
+        let heading = &mut self.headings[column];
+        let is_first = self.lines.is_empty();
+        if is_first && let Some(unit) = heading.guess_epoch(field) {
+            self.reading.found.push(format!("time in {unit} since 1970, by its size"));
+        }
+        let count = heading.instant(field);
+        let is_count = count.is_some();
+        let read = count.or_else(|| {
+            let is_number = field.parse::<f64>().is_ok();
+            if is_number { None } else { ClockTime::parse(field) }
+        });
+        let now = match (read, &self.clock) {
+            (Some(now), Some(_)) => now,
+            (Some(now), None) if is_first => now,
+            (None, Some(clock)) => {
+                let must = format!("must be a time as in line {}", clock.first_line);
+                return Err(place.refuse(&heading.name, quoted(field), must));
+            }
+            (_, None) => return read_number(field, heading, place),
+        };
+        if heading.has_measure() && !is_count {
+            let must = format!("must be a number of {}", heading.unit_text);
+            let error = place.refuse(&heading.name, quoted(field), must);
+            let hint = "a date or a time of day has no unit and no factor: leave them out";
+            return Err(error.with_hint(hint.to_owned()));
+        }
+        let clock = self.clock.get_or_insert_with(|| {
+            let since = self.since.clone().filter(|since| now.since(since).is_some());
+            let first_line = place.line.unwrap_or_default();
+            Clock {
+                since: since.unwrap_or(now.clone()),
+                first_line,
+                last: now.clone(),
+                midnights: 0,
+            }
+        });
+        let now = now.later_by(clock.midnights);
+        let is_next_day = now.is_past_midnight(&clock.last);
+        clock.midnights += i64::from(is_next_day);
+        let now = now.later_by(i64::from(is_next_day));
+        let time_s = now.since(&clock.since).ok_or_else(|| {
+            let must = format!(
+                "must have a date and a zone as {} has them",
+                quoted(&clock.since.to_string())
+            );
+            place.refuse(&heading.name, quoted(field), must)
+        })?;
+        clock.last = now;
+        Ok(time_s)
+    }
+}
+
+/// True for a field without a value.
+fn is_gap(field: &str) -> bool {
+    let field = field.trim_start_matches(['-', '+']);
+    field.is_empty() || field.eq_ignore_ascii_case("nan")
 }
 
 /// True for quantities that a motion or a path prescribes, whose digits show how exact they are.
@@ -240,8 +461,10 @@ pub(super) fn refuse_samples(
 /// Reads a field of a column in SI.
 fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, TableError> {
     let finite = "must be a finite number";
+    let by_resampling = || is_gap(field).then(|| BY_RESAMPLING.to_owned());
     if field.is_empty() {
-        return Err(place.refuse(&heading.name, "an empty field", finite));
+        let error = place.refuse(&heading.name, "an empty field", finite);
+        return Err(error.with_hint(by_resampling()));
     }
     let Ok(number) = field.parse::<f64>() else {
         let hint = hint_for(field, heading);
@@ -251,7 +474,7 @@ fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, Tabl
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(place.refuse(&heading.name, shown(field), finite))
+        Err(place.refuse(&heading.name, shown(field), finite).with_hint(by_resampling()))
     }
 }
 
@@ -264,7 +487,7 @@ fn shown(field: &str) -> String {
 fn hint_for(field: &str, heading: &Heading) -> Option<String> {
     let has_clock = field.contains(':') || field.matches(['-', '/', '.']).count() == 2;
     if heading.quantity == TIME && has_clock && field.starts_with(|c: char| c.is_ascii_digit()) {
-        return Some("time is a number from any start, 0.25 for a quarter of a second".to_owned());
+        return Some(CLOCKS.to_owned());
     }
     let plain = field.replace([',', ' ', '\'', '_', '\u{a0}', '\u{202f}'], "");
     (plain != field && plain.parse::<f64>().is_ok()).then(|| {

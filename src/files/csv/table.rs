@@ -62,6 +62,23 @@ pub fn write_csv(
     write_over_time(out, ("time_s", &time_s), groups, digits)
 }
 
+/// Writes a table over time, each column with its format.
+///
+/// # Errors
+/// Those of `out`.
+pub(crate) fn write_formatted(
+    out: &mut (dyn Write + Send),
+    time: &ThinnedGrid,
+    columns: &[(&str, &[f64], NumberFormat)],
+) -> io::Result<()> {
+    let time_s: Vec<f64> = (0..time.len()).map(|k| time.time_s(k)).collect();
+    let format = CellFormat::new(time_format(|k| time_s[k], time_s.len()));
+    let own =
+        columns.iter().map(|(name, values, format)| (*name, *values, CellFormat::new(*format)));
+    let columns: Vec<_> = [("time_s", &time_s[..], format)].into_iter().chain(own).collect();
+    write_cells(out, &columns, time_s.len())
+}
+
 /// [`write_csv`] with times in s and their heading.
 pub(super) fn write_over_time(
     out: &mut (dyn Write + Send),
@@ -110,6 +127,15 @@ fn write_table(
         let format = CellFormat::new(digits.for_peak(group.peak()));
         columns.extend(group.columns.iter().map(|c| (c.name.as_str(), c.values, format)));
     }
+    write_cells(out, &columns, rows)
+}
+
+/// Writes columns with their formats.
+fn write_cells(
+    out: &mut (dyn Write + Send),
+    columns: &[(&str, &[f64], CellFormat)],
+    rows: usize,
+) -> io::Result<()> {
     write_names(out, columns.iter().map(|(name, ..)| *name))?;
     write_blocks(out, &(0..rows), columns.len(), |rows, text| {
         let mut batches = vec![vec![]; columns.len()];

@@ -31,11 +31,14 @@ impl fmt::Display for UnitName {
 }
 
 /// Spellings of units in headings that cannot mean another unit.
-const SPELLINGS: [(&[&str], &str); 13] = [
+const SPELLINGS: [(&[&str], &str); 16] = [
     (&["sec", "secs", "second", "seconds", "Sekunden", "secondes"], "s"),
     (&["msec", "millisecond", "milliseconds"], "ms"),
+    (&["usec", "µsec", "μsec", "microsecond", "microseconds"], "us"),
     (&["nsec", "nanosecond", "nanoseconds"], "ns"),
-    (&["day", "days"], "d"),
+    (&["mins", "minute", "minutes", "Minuten"], "min"),
+    (&["hr", "hrs", "hour", "hours", "Stunden", "heures"], "h"),
+    (&["day", "days", "Tage", "jours"], "d"),
     (&["meter", "meters", "metre", "metres"], "m"),
     (&["degree", "degrees", "°"], "deg"),
     (&["radian", "radians"], "rad"),

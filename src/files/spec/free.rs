@@ -197,12 +197,22 @@ pub fn rewrite(
     text: &str,
     changes: &[Override],
 ) -> Result<(String, Vec<Replaced>), SpecError> {
+    rewritten((name, text), changes, Some(DIGITS))
+}
+
+/// The text with the changes and the replaced values. Numbers have this many significant digits, without a limit all,
+/// and then words are replaced, too.
+pub(super) fn rewritten(
+    (name, text): (&str, &str),
+    changes: &[Override],
+    digits: Option<usize>,
+) -> Result<(String, Vec<Replaced>), SpecError> {
     let tree = LinkDocument::read(name, text)?.changed(changes)?;
     let mut places = Vec::new();
     if let Ok(table) = DeTable::parse(text) {
         for (key, value) in table.get_ref() {
             if let Some(node) = tree.get(key.get_ref()) {
-                compare(key.get_ref(), value.get_ref(), value.span(), node, &mut places);
+                compare(key.get_ref(), (value.get_ref(), value.span()), node, digits, &mut places);
             }
         }
     }
@@ -216,7 +226,7 @@ pub fn rewrite(
     }
     out.push_str(&text[end..]);
     let written = LinkDocument::read(name, &out)?.changed(&[])?;
-    if !is_close(&written, &tree) {
+    if !is_close(&written, &tree, digits.map_or(0.0, |_| CLOSE)) {
         let hint = "write the change into the link file first";
         let message = "a change removes or adds a key, which is not rewritten";
         return Err(Fault::new("", message).hinting(hint.to_owned()).at(name.to_owned()));
@@ -224,17 +234,19 @@ pub fn rewrite(
     Ok((out, replaced))
 }
 
-/// True if two trees have the same keys and words, and numbers that differ only beyond the written digits of a fitted
-/// value.
-fn is_close(a: &Node, b: &Node) -> bool {
-    let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs();
+/// Largest difference of a fitted value from its written digits, over the value.
+const CLOSE: f64 = 1e-6;
+
+/// True if two trees have the same keys and words, and numbers that differ by at most this share.
+pub(super) fn is_close(a: &Node, b: &Node, share: f64) -> bool {
+    let near = |a: f64, b: f64| (a - b).abs() <= share * b.abs();
     match (&a.kind, &b.kind) {
         (Kind::Table(a), Kind::Table(b)) => {
             let mut pairs = a.iter().zip(b);
-            a.len() == b.len() && pairs.all(|((k, a), (l, b))| k == l && is_close(a, b))
+            a.len() == b.len() && pairs.all(|((k, a), (l, b))| k == l && is_close(a, b, share))
         }
         (Kind::List(a), Kind::List(b)) => {
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_close(a, b))
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_close(a, b, share))
         }
         (Kind::Text(a), Kind::Text(b)) => {
             a == b
@@ -250,12 +262,12 @@ fn is_close(a: &Node, b: &Node) -> bool {
     }
 }
 
-/// Collects the file's values that a change has written, with their new text.
+/// Collects the file's values that a change has written, with their new text of so many digits.
 fn compare(
     path: &str,
-    value: &DeValue<'_>,
-    span: Range<usize>,
+    (value, span): (&DeValue<'_>, Range<usize>),
     node: &Node,
+    digits: Option<usize>,
     found: &mut Vec<(Range<usize>, String, String)>,
 ) {
     match value {
@@ -263,7 +275,7 @@ fn compare(
             for (key, value) in entries {
                 if let Some(node) = node.get(key.get_ref()) {
                     let path = format!("{path}.{}", key.get_ref());
-                    compare(&path, value.get_ref(), value.span(), node, found);
+                    compare(&path, (value.get_ref(), value.span()), node, digits, found);
                 }
             }
         }
@@ -271,21 +283,24 @@ fn compare(
             for (number, item) in items.iter().enumerate() {
                 if let Some(node) = node.get(&number.to_string()) {
                     let path = format!("{path}.{number}");
-                    compare(&path, item.get_ref(), item.span(), node, found);
+                    compare(&path, (item.get_ref(), item.span()), node, digits, found);
                 }
             }
         }
         _ if matches!(node.place, Place::Override(_)) => {
             let number = |number: f64| {
-                let digits = format!("{number:.*e}", DIGITS - 1);
-                let rounded = digits.parse::<f64>().unwrap_or(number);
-                format!("{rounded:?}")
+                let rounded = digits.and_then(|count| {
+                    let digits = format!("{number:.*e}", count.saturating_sub(1));
+                    digits.parse::<f64>().ok()
+                });
+                format!("{:?}", rounded.unwrap_or(number))
             };
             let after = match &node.kind {
                 Kind::Integer(whole) => whole.to_string(),
                 Kind::Number(value) => number(*value),
                 Kind::Text(text) => match split_number(text) {
                     Some((value, unit)) => format!("\"{}{unit}\"", number(value)),
+                    None if digits.is_none() => toml::Value::from(text.as_str()).to_string(),
                     None => return,
                 },
                 _ => return,

@@ -7,7 +7,8 @@ use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 
 use super::document::located;
 use super::error::{Fault, SpecError};
-use super::measured_values::{MeasuredOf, ModeKeys, RawDamping, RawFrequency, checked};
+use super::measured_table::TableKeys;
+use super::measured_values::{Hertz, MeasuredOf, ModeKeys, RawDamping, RawFrequency, checked};
 use super::tree::Node;
 use super::value::{Angle, Count, Length, Resistance, Si, Time, TorqueConstant, tables};
 use crate::fit::{DecayValues, Gain, HubEnd, Measured, Motor, Observable, RecordedInput};
@@ -149,6 +150,8 @@ pub struct ResponseFile {
     /// Number of the zero in the lowest dip, for a measurement in a closed loop, in which only the zeros are the
     /// link's.
     pub first_zero: Option<usize>,
+    /// Description of the table.
+    pub table: TableKeys,
 }
 
 /// `[[response]]`
@@ -164,6 +167,13 @@ pub(super) struct RawResponse {
     gain: Option<Gain>,
     distance: Option<Length>,
     uncertainty: Option<f64>,
+    skip: Option<Count>,
+    #[serde(default)]
+    columns: Vec<String>,
+    #[serde(default)]
+    scale: Vec<String>,
+    delimiter: Option<String>,
+    decimal: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -185,6 +195,14 @@ impl RawResponse {
     pub(super) fn convert(self, path: &str, has_motor: bool) -> Result<ResponseFile, Fault> {
         let first_zero = self.first_zero(path)?;
         let Self { file, transfer, per, gain, distance, uncertainty, .. } = self;
+        let table = TableKeys {
+            skip: self.skip.map_or(0, |Count(lines)| lines),
+            columns: self.columns,
+            scale: self.scale,
+            delimiter: self.delimiter,
+            decimal: self.decimal,
+            ..TableKeys::default()
+        };
         checked(path, "uncertainty", uncertainty)?;
         let gain = gain.unwrap_or_default();
         let is_per_volt = per == Some(RawPer::Volt);
@@ -206,6 +224,7 @@ impl RawResponse {
             distance_m,
             uncertainty,
             first_zero,
+            table,
         })
     }
 
@@ -244,12 +263,8 @@ pub struct RecordFile {
     pub hold: Interpolation,
     /// True if the sensors may be late.
     pub is_delay_free: bool,
-    /// Number of lines to skip at the beginning.
-    pub skip: usize,
-    /// Columns of the quantities, as for `--columns`.
-    pub columns: Vec<String>,
-    /// Factors on the numbers of columns, as for `--scale`.
-    pub scale: Vec<String>,
+    /// Description of the table.
+    pub table: TableKeys,
     /// The sensors.
     pub channels: Vec<ChannelFile>,
 }
@@ -292,6 +307,12 @@ pub(super) struct RawRecord {
     columns: Vec<String>,
     #[serde(default)]
     scale: Vec<String>,
+    delimiter: Option<String>,
+    decimal: Option<String>,
+    time_unit: Option<String>,
+    unit: Option<String>,
+    sample_rate: Option<Hertz>,
+    resample: Option<Time>,
     #[serde(default, deserialize_with = "tables")]
     channel: Vec<RawChannel>,
 }
@@ -389,9 +410,17 @@ impl RawRecord {
             input,
             hold: self.hold.unwrap_or_default(),
             is_delay_free: self.delay == Some(RawFreedom::Free),
-            skip: self.skip.map_or(0, |Count(lines)| lines),
-            columns: self.columns,
-            scale: self.scale,
+            table: TableKeys {
+                skip: self.skip.map_or(0, |Count(lines)| lines),
+                columns: self.columns,
+                scale: self.scale,
+                delimiter: self.delimiter,
+                decimal: self.decimal,
+                time_unit: self.time_unit,
+                unit: self.unit,
+                sample_rate_hz: self.sample_rate.map(|Hertz(rate)| rate),
+                resample_s: self.resample.map(Si::si),
+            },
             channels,
         })
     }
@@ -432,10 +461,8 @@ pub struct DecayFile {
     pub sensor: Option<Sensor>,
     /// Times in s of the first and the last sample to use.
     pub span_s: [Option<f64>; 2],
-    /// Number of lines to skip at the beginning.
-    pub skip: usize,
-    /// Columns of the quantities, as for `--columns`.
-    pub columns: Vec<String>,
+    /// Description of the table.
+    pub table: TableKeys,
 }
 
 /// `[[decay]]`
@@ -456,6 +483,11 @@ pub(super) struct RawDecay {
     skip: Option<Count>,
     #[serde(default)]
     columns: Vec<String>,
+    delimiter: Option<String>,
+    decimal: Option<String>,
+    time_unit: Option<String>,
+    sample_rate: Option<Hertz>,
+    resample: Option<Time>,
 }
 
 /// The number of a mode, or a list of them.
@@ -510,8 +542,16 @@ impl RawDecay {
             uncertainty,
             sensor,
             span_s,
-            skip: self.skip.map_or(0, |Count(lines)| lines),
-            columns: self.columns,
+            table: TableKeys {
+                skip: self.skip.map_or(0, |Count(lines)| lines),
+                columns: self.columns,
+                delimiter: self.delimiter,
+                decimal: self.decimal,
+                time_unit: self.time_unit,
+                sample_rate_hz: self.sample_rate.map(|Hertz(rate)| rate),
+                resample_s: self.resample.map(Si::si),
+                ..TableKeys::default()
+            },
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Measured frequencies and damping ratios of a link, or of an arm in its poses.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
@@ -8,7 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use super::error::Fault;
 use super::value::{Angle, Count, Si};
 use crate::fit::{ArmMode, HubEnd, Measured, Observable};
-use crate::numeric::split_number;
+use crate::numeric::parse_hertz;
 
 /// Fewest peaks of a decay: two yield one decrement.
 const FEWEST_PEAKS: usize = 2;
@@ -134,7 +134,7 @@ pub(super) struct RawDamping {
 
 /// Frequency in Hz: a number, or text with Hz, kHz, rad/s or rpm. `Rate` would take a hertz for a radian.
 #[derive(Debug, Clone, Copy)]
-struct Hertz(f64);
+pub(super) struct Hertz(pub(super) f64);
 
 impl<'de> Deserialize<'de> for Hertz {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -157,15 +157,7 @@ impl<'de> Deserialize<'de> for Hertz {
             fn visit_str<E: Error>(self, text: &str) -> Result<Hertz, E> {
                 let wrong =
                     || E::custom("must be a frequency in Hz, kHz, rad/s or rpm: \"2.52 Hz\"");
-                let (number, unit) = split_number(text).ok_or_else(wrong)?;
-                let hertz = match unit.trim() {
-                    "Hz" => 1.0,
-                    "kHz" => 1000.0,
-                    "rad/s" => 1.0 / TAU,
-                    "rpm" => PI / 30.0 / TAU,
-                    _ => return Err(wrong()),
-                };
-                Ok(Hertz(number * hertz))
+                parse_hertz(text).map(Hertz).ok_or_else(wrong)
             }
         }
         deserializer.deserialize_any(Frequency)

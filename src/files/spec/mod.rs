@@ -12,11 +12,13 @@
 //! # Ok::<(), flexlink::spec::SpecError>(())
 //! ```
 
+mod changed;
 mod convert;
 mod document;
 mod error;
 mod free;
 mod measured;
+mod measured_table;
 mod measured_values;
 mod overrides;
 mod raw;
@@ -27,12 +29,14 @@ mod tree;
 mod uncertain;
 mod value;
 
+pub use changed::changed_text;
 pub use document::{LinkDocument, Specification, read_specification};
 pub use error::SpecError;
 pub use free::{FreeValue, rewrite};
 pub use measured::{
     ChannelFile, DecayFile, MeasuredFile, RecordFile, ResponseFile, read_measurements,
 };
+pub use measured_table::TableKeys;
 pub use overrides::Override;
 pub use schema::{link_file_schema, unit_of_key};
 pub use tolerances::read_tolerances;

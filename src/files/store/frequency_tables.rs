@@ -8,8 +8,10 @@ use serde_json::{Map, Value, json};
 
 use super::folder::{FolderError, OutputFolder};
 use super::json::json as as_text;
+use crate::beam::Mesh;
 use crate::csv::{Digits, write_columns};
 use crate::link::Link;
+use crate::modal::Shape;
 use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
 use crate::response::{ArmResponses, ArmShapes, PoseMode, SettledModes};
@@ -21,6 +23,9 @@ const MODES: &str = "modes.csv";
 const SHAPES: &str = "mode_shapes.csv";
 const HELD: &str = "held_modes.csv";
 const ZEROS: &str = "zeros.csv";
+
+/// A number of a node in a shape.
+type OfNode = fn(&Mesh, &Shape, usize) -> f64;
 
 /// A number of a mode, from the mode and its mesh error.
 type ModeNumber = fn(&PoseMode, f64) -> f64;
@@ -88,13 +93,30 @@ impl ModesResult {
         write_columns(out, Some(("mode", &numbers)), &borrowed(&columns), digits)
     }
 
-    /// Writes a row for each node of a link without gravity: its displacement across the link in each mode.
+    /// Writes a row for each node of a link without gravity: its displacement across the link in each mode with the hub
+    /// free, and the part of it that moves rigidly with the hub; the slope of the link; the same with the hub held.
     fn write_level_shapes(&self, out: &mut (dyn Write + Send), digits: Digits) -> io::Result<()> {
-        let names: Vec<String> = (1..=self.free.modes.len()).map(|k| format!("mode_{k}")).collect();
-        let nodes = self.meshes.iter().map(|mesh| ("x_m", mesh.nodes_m()));
-        let shapes = self.free.modes.iter().map(|mode| &mode.shape[..]);
-        let shapes = names.iter().map(String::as_str).zip(shapes);
-        write_columns(out, None, &nodes.chain(shapes).collect::<Vec<_>>(), digits)
+        let Some(mesh) = self.meshes.first() else { return Ok(()) };
+        let mut columns = vec![("x_m".to_owned(), mesh.nodes_m().to_vec())];
+        let displacement: OfNode = |mesh, shape, node| shape.displacement(mesh, node);
+        let others: [(&str, OfNode); 2] = [
+            ("_rigid", |mesh, shape, node| mesh.rigid(node)[0] * shape.hub_angle),
+            ("_slope", |mesh, shape, node| shape.total(mesh, node)[1]),
+        ];
+        for (name, own, parts) in [
+            ("mode", &self.free, &[("", displacement)][..]),
+            ("mode", &self.free, &others),
+            ("held", &self.held, &[("", displacement), others[0], others[1]]),
+        ] {
+            for (number, mode) in (1..).zip(&own.modes) {
+                let Some(shape) = &mode.of_link else { continue };
+                columns.extend(parts.iter().map(|(part, of)| {
+                    let values = (0..mesh.nodes_m().len()).map(|node| of(mesh, shape, node));
+                    (format!("{name}_{number}{part}"), values.collect())
+                }));
+            }
+        }
+        write_columns(out, None, &borrowed(&columns), digits)
     }
 
     /// Writes the zeros of all links, one link after the other; in a pose, with the number of the link.
@@ -129,7 +151,8 @@ fn zero_columns(zeros: &LinkZeros) -> [(&'static str, Vec<f64>); 5] {
     ]
 }
 
-/// Writes a row for each node of each link: its place at rest, and its motion in the modes with free joints.
+/// Writes a row for each node of each link: its place at rest, its motion in the modes with free joints, the turn of the
+/// link in them, and both in the modes with held rotors.
 fn write_shapes(
     out: &mut (dyn Write + Send),
     shapes: &ArmShapes,
@@ -138,15 +161,22 @@ fn write_shapes(
     let nodes_m: Vec<f64> = shapes.nodes_m.iter().flatten().copied().collect();
     let links = of_links(shapes.nodes_m.iter().map(Vec::len));
     let mut columns = vec![("x_m".to_owned(), nodes_m)];
-    let mut both = |name: &dyn Fn(&str) -> String, places: &[Vec<[f64; 2]>]| {
-        for (axis, letter) in ["x", "y"].into_iter().enumerate() {
-            let values = places.iter().flatten().map(|place| place[axis]);
-            columns.push((name(letter), values.collect()));
+    for (axis, letter) in ["x", "y"].into_iter().enumerate() {
+        let values = shapes.rest_m.iter().flatten().map(|place| place[axis]);
+        columns.push((format!("rest_{letter}_m"), values.collect()));
+    }
+    for (name, own, parts) in [
+        ("mode", &shapes.free, &["x", "y"][..]),
+        ("mode", &shapes.free, &["slope"]),
+        ("held", &shapes.held, &["x", "y", "slope"]),
+    ] {
+        for (mode, moved) in (1..).zip(own) {
+            columns.extend(parts.iter().map(|part| {
+                let number = ["x", "y", "slope"].iter().position(|own| own == part).unwrap_or(0);
+                let values = moved.iter().flatten().map(|own| own[number]);
+                (format!("{name}_{mode}_{part}"), values.collect())
+            }));
         }
-    };
-    both(&|axis| format!("rest_{axis}_m"), &shapes.rest_m);
-    for (mode, moved) in (1..).zip(&shapes.free) {
-        both(&|axis| format!("mode_{mode}_{axis}"), moved);
     }
     write_columns(out, Some(("link", &links)), &borrowed(&columns), digits)
 }
@@ -276,8 +306,7 @@ pub fn modes_json(found: &ModesResult) -> String {
             let mut all = list(free);
             all.extend(found.zeros.iter().flat_map(of_link));
             all.extend(found.meshes.iter().map(|mesh| ("x_m".into(), json!(mesh.nodes_m()))));
-            let shapes: Vec<_> = free.modes.iter().map(|mode| &mode.shape).collect();
-            all.insert("shapes".into(), json!(shapes));
+            all.insert("shapes".into(), json!(found.displacements()));
             let stiffness =
                 ("joint_stiffness_n_m_rad".into(), json!(found.joint_stiffnesses_n_m_rad[0]));
             all.insert("held".into(), std::iter::once(stiffness).chain(list(held)).collect());

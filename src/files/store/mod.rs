@@ -1,6 +1,7 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files; the record of a fit; a torque to
 //! play.
 
+mod arrays;
 mod files;
 mod folder;
 mod frequency_tables;
@@ -16,10 +17,13 @@ mod repetition;
 mod robust;
 mod run_summary;
 mod run_tables;
+mod set_point_file;
+mod set_point_forms;
+mod state_space;
 mod summary;
 mod sweep;
-mod torque_file;
 
+pub use arrays::{NamedArray, Values, mat, npz};
 pub use files::{NamedBy, NewFile, write_file, write_files};
 pub use folder::{Durability, FolderError, OutputFolder};
 pub use frequency_tables::{
@@ -39,9 +43,10 @@ pub use repetition::{RunRecord, TemporaryFolder};
 pub use robust::{RobustFiles, RobustInputs, plant_columns, read_fitted, robust_json};
 pub use run_summary::{Findings, PlayedRun, Simulated};
 pub use run_tables::{RunTables, write_solution};
+pub use set_point_file::{SetPointFile, SetPointForm, TableRecord};
+pub use state_space::{StateSpaceFile, StateSpaceForm};
 pub use summary::{RunInputs, STATIONS, SimulateFiles, Summary, verification_json};
 pub use sweep::{
     ForeignRecord, LeftRows, Resumed, SweepFile, SweepIdentity, SweepInputs, SweepRows, SweptCase,
     merge_shards, sweep_files, sweep_header, sweep_row, write_sweep,
 };
-pub use torque_file::{TableRecord, TorqueFile, TorqueForm};

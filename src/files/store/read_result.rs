@@ -19,13 +19,12 @@ use crate::robust::StoredRobust;
 /// A result from a folder or a file.
 #[derive(Debug, Clone)]
 pub enum StoredResult {
-    /// Folders of runs of `solve` or `simulate`. A page shows the first run. Runs of arms with equally many links may
-    /// stand beside it, for comparison.
+    /// Folders of runs of `solve` or `simulate`. A page shows the first run; others may stand beside it, for comparison.
     Runs(Vec<StoredRun>),
     /// The table of a sweep.
     Sweep(Box<StoredSweep>),
-    /// The folder of a study of `robust`.
-    Robust(Box<StoredRobust>),
+    /// Folders of studies of `robust`. A page shows the first study; others may stand beside it.
+    Robust(Vec<StoredRobust>),
 }
 
 /// Reads a result back: the folder of a run of `solve` or `simulate` or of a study of `robust`, the table of a sweep, or
@@ -38,7 +37,8 @@ pub fn read_result(path: &Path) -> Result<StoredResult, TableError> {
     if folder.has(SUMMARY) {
         if head(path).is_some_and(|head| head.command.as_deref() == Some(COMMAND)) {
             let study = RobustFiles::read(folder)?.stored()?;
-            return Ok(StoredResult::Robust(Box::new(study)));
+            let name = path.display().to_string();
+            return Ok(StoredResult::Robust(vec![StoredRobust { name, ..study }]));
         }
         return Ok(StoredResult::Runs(vec![read_run(folder)?]));
     }
@@ -46,53 +46,73 @@ pub fn read_result(path: &Path) -> Result<StoredResult, TableError> {
     Ok(StoredResult::Sweep(Box::new(read_sweep(&table)?)))
 }
 
-/// Largest difference in m between the lengths of links of the same arm.
-const SAME_M: f64 = 1e-9;
-
-/// Reads several results back: one of any kind, or runs of an arm that a page shows beside the first.
+/// Reads several results back: one of any kind, or several runs, or several studies of `robust`, that a page shows side by
+/// side. Their names distinguish them.
 ///
 /// # Errors
-/// Errors of [`read_result`]; several results, unless all are runs of arms with equally many links.
+/// Errors of [`read_result`]; several results, unless all are runs or all are studies.
 pub fn read_results(first: &Path, others: &[PathBuf]) -> Result<StoredResult, TableError> {
     let mut result = read_result(first)?;
     for path in others {
-        let shown = path.display().to_string();
-        let place = Place { file: &shown, line: None };
-        let runs = match &mut result {
-            StoredResult::Runs(runs) if runs[0].arc.is_none() => runs,
+        let kind = result.kind();
+        let other = read_result(path)?;
+        let of_other = other.kind();
+        match (&mut result, other) {
+            (StoredResult::Runs(runs), StoredResult::Runs(more)) => runs.extend(more),
+            (StoredResult::Robust(studies), StoredResult::Robust(more)) => studies.extend(more),
             _ => {
-                let must = "must be left out: only runs of arms stand side by side";
-                return Err(place.refuse("BESIDE", "a result beside that of one link", must));
-            }
-        };
-        let links = runs[0].links.len();
-        let is_same = |other: &StoredRun| {
-            let lengths = runs[0].links.iter().zip(&other.links);
-            let mut apart_m = lengths.map(|(a, b)| (a.link.length_m() - b.link.length_m()).abs());
-            other.links.len() == links && apart_m.all(|apart_m| apart_m <= SAME_M)
-        };
-        match read_result(path)? {
-            StoredResult::Runs(more) if is_same(&more[0]) => runs.extend(more),
-            _ => {
-                let must = format!(
-                    "must be a run of an arm of {links} links as long as those of the first"
-                );
-                return Err(place.refuse("result", "another", must));
+                let shown = path.display().to_string();
+                let place = Place { file: &shown, line: None };
+                let must = match kind {
+                    SWEEP => "must be left out: a sweep has a page of its own".to_owned(),
+                    kind => format!("must be {kind}, as the first"),
+                };
+                return Err(place.refuse("result", of_other, must));
             }
         }
     }
-    if let StoredResult::Runs(runs) = &mut result {
-        shorten_names(runs);
+    match &mut result {
+        StoredResult::Runs(runs) => distinguish(runs.iter_mut().map(|run| &mut run.name).collect()),
+        StoredResult::Robust(all) => distinguish(all.iter_mut().map(|own| &mut own.name).collect()),
+        StoredResult::Sweep(_) => {}
     }
     Ok(result)
 }
 
-/// Shortens the names of folders to their last part, if it distinguishes them.
-fn shorten_names(runs: &mut [StoredRun]) {
-    let last = |run: &StoredRun| Some(Path::new(&run.name).file_name()?.to_string_lossy().into());
-    let Some(names) = runs.iter().map(last).collect::<Option<Vec<String>>>() else { return };
-    if names.iter().collect::<BTreeSet<_>>().len() == names.len() {
-        runs.iter_mut().zip(names).for_each(|(run, name)| run.name = name);
+/// Kind of a sweep's table in messages.
+const SWEEP: &str = "the table of a sweep";
+
+impl StoredResult {
+    /// Its kind in messages.
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Runs(_) => "a run of solve or simulate",
+            Self::Sweep(_) => SWEEP,
+            Self::Robust(_) => "a study of robust",
+        }
+    }
+}
+
+/// Shortens the names of folders to their last parts if these differ. Repeated names have a number.
+fn distinguish(mut names: Vec<&mut String>) {
+    let last = |name: &&mut String| {
+        Some(Path::new(name.as_str()).file_name()?.to_string_lossy().into_owned())
+    };
+    let short = names.iter().map(last).collect::<Option<Vec<String>>>().filter(|short| {
+        short.iter().collect::<BTreeSet<_>>().len() == names.iter().collect::<BTreeSet<_>>().len()
+    });
+    if let Some(short) = short {
+        names.iter_mut().zip(short).for_each(|(name, short)| **name = short);
+    }
+    let mut known = BTreeSet::new();
+    for name in names {
+        let own = name.clone();
+        for number in 2.. {
+            if known.insert(name.clone()) {
+                break;
+            }
+            *name = format!("{own} ({number})");
+        }
     }
 }
 

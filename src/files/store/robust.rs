@@ -173,7 +173,8 @@ impl RobustFiles {
             let [times_s, low, high] = [TIME, LOWEST, HIGHEST].map(|name| envelope.take(name));
             let origin = record.inputs.origin(record.flexlink, record.title);
             let (warnings, envelope_m) = (record.warnings, [low, high]);
-            Ok(StoredRobust { origin, links, summary, warnings, plants, times_s, envelope_m })
+            let name = String::new();
+            Ok(StoredRobust { name, origin, links, summary, warnings, plants, times_s, envelope_m })
         };
         read().map_err(|error| newer(error, &version))
     }

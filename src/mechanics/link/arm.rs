@@ -193,21 +193,38 @@ impl Arm {
                 let must = "must be inf: a voltage is played on stiff joints alone";
                 return refused(number, "joint_stiffness", "finite", must);
             }
-            if drive.rotor_inertia_kg_m2 > 0.0 && number > 0 {
-                let must =
-                    "must be 0 beyond the first joint, whose rotor alone turns on the ground";
-                return refused(number, "rotor_inertia", "above 0", must);
-            }
-            if drive.rotor_inertia_kg_m2 > 0.0 && link.joint().slides() && link.has_weight() {
-                let must =
-                    "must be 0 on a carriage with weight: the rotor moves, but does not weigh";
-                return refused(number, "rotor_inertia", "above 0", must);
-            }
-            *link = link.with_joint(drive.rotor_at_joint(), friction)?;
+            *link = link.with_joint(0.0, friction)?;
         }
         if self.carriage().is_some() {
             let must = "must not be there: it has no motor for a voltage";
             return Err(ParameterError::new("carriage", "a carriage below an arm", "", must));
+        }
+        Self { parts }.with_rotors()
+    }
+
+    /// The arm with the rotors of its motors at the joints, as if all joints were rigid: the links under efforts of motors.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for a rotor beyond the first joint, and for one on a carriage with weight.
+    pub fn with_rotors(&self) -> Result<Self, ParameterError> {
+        let mut parts = self.parts.clone();
+        for (number, ArmLink { link, .. }) in parts.links.iter_mut().enumerate() {
+            let drive = link.drive().copied().unwrap_or_default();
+            let refused = |key: &str, found: &str, must: &str| {
+                let path = self.pick(String::new(), format!("links.{number}."));
+                Err(ParameterError::new(format!("{path}drive.{key}"), found, "", must))
+            };
+            if drive.rotor_inertia_kg_m2 > 0.0 && number > 0 {
+                let must =
+                    "must be 0 beyond the first joint, whose rotor alone turns on the ground";
+                return refused("rotor_inertia", "above 0", must);
+            }
+            if drive.rotor_inertia_kg_m2 > 0.0 && link.joint().slides() && link.has_weight() {
+                let must =
+                    "must be 0 on a carriage with weight: the rotor moves, but does not weigh";
+                return refused("rotor_inertia", "above 0", must);
+            }
+            *link = link.with_joint(drive.rotor_at_joint(), 0.0)?;
         }
         Ok(Self { parts })
     }

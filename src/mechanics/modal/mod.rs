@@ -17,6 +17,7 @@ pub(crate) use frequencies::{
     TORQUE_WEIGHTS, deflection_weights, flexible_modes, hub_moves_mass, second_order_share,
 };
 pub use law::{CaugheySeries, DampingError, DampingLaw};
+pub(crate) use pose::root_pull;
 pub use pose::{
     MOST_ELEMENTS_OF_A_POSE, PoseHub, WeighedLink, buckling_share, pose_modes, pose_zeros,
     reported_blocked, reported_frequencies, reported_zeros, reports_weight,

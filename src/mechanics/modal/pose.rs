@@ -16,6 +16,7 @@ use super::frequencies::{
     SCAN_RANGE, changes, held_frequencies, natural_frequencies, real_frequency_zeros, scan_start,
     torque_zeros,
 };
+use super::shape::Shape;
 use crate::beam::{Element, Inertia, LoadedMotion, Loads, Mesh};
 use crate::numeric::{SECTIONS, SymmetricEigen};
 
@@ -57,9 +58,9 @@ impl PoseHub {
 }
 
 /// Squares ω² in 1/s² of the first `count` natural frequencies of a link with gravity `outward_m_s2` along it,
-/// ascending, and the displacements of the nodes in each mode, in 1/√kg. The swing of a free hub is the first. A
-/// negative square means that the link leaves its pose as e^{√(−ω²) t}. In each mode a free hub turns counterclockwise;
-/// with a clamped hub the tip moves counterclockwise.
+/// ascending, and the mass-normalised shape of each mode. The swing of a free hub is the first. A negative square means
+/// that the link leaves its pose as e^{√(−ω²) t}. In each mode a free hub turns counterclockwise; with a clamped hub the
+/// tip moves counterclockwise.
 ///
 /// `None` for more than [`MOST_ELEMENTS_OF_A_POSE`] elements, or if a motion moves no mass.
 pub fn pose_modes(
@@ -67,13 +68,12 @@ pub fn pose_modes(
     outward_m_s2: f64,
     hub: PoseHub,
     count: usize,
-) -> Option<Vec<(f64, Vec<f64>)>> {
+) -> Option<Vec<(f64, Shape)>> {
     let nodes = mesh.nodes_m().len();
     if nodes > MOST_ELEMENTS_OF_A_POSE + 1 {
         return None;
     }
     let [mut mass, mut stiffness] = on_joint(mesh, outward_m_s2);
-    let [root, _] = mesh.rigid(0);
     let is_clamped = hub == PoseHub::Spring(f64::INFINITY);
     match hub {
         PoseHub::Spring(spring_n_m_rad) if spring_n_m_rad.is_finite() => {
@@ -89,17 +89,33 @@ pub fn pose_modes(
     let upper = lower.transpose();
     let mode = |k: usize| {
         let x = upper.solve_upper_triangular(&DVector::from_column_slice(eigen.vector(k)))?;
-        let (hub_rad, outer) = if is_clamped { (0.0, 0) } else { (x[0], 1) };
-        // Both nodes of a spring lie at the root.
-        let springs = mesh.springs();
-        let across = x.iter().skip(outer + springs).step_by(2).copied();
-        let at_root = std::iter::repeat_n(root * hub_rad, 1 + springs);
-        let across: Vec<f64> = at_root.chain(across).collect();
-        let leading = if is_clamped { across.last().copied().unwrap_or_default() } else { hub_rad };
-        let sign = 1.0_f64.copysign(leading);
-        Some((eigen.values[k], across.into_iter().map(|own| sign * own).collect()))
+        let (hub_angle, outer) = if is_clamped { (0.0, 0) } else { (x[0], 1) };
+        let shape = shape_of(mesh, hub_angle, &x.as_slice()[outer..]);
+        let leading = if is_clamped { shape.displacement(mesh, nodes - 1) } else { hub_angle };
+        Some((eigen.values[k], shape.scaled(1.0_f64.copysign(leading))))
     };
     (0..eigen.values.len().min(count)).map(mode).collect()
+}
+
+/// The shape of a hub angle and of the coordinates of [`on_joint`] after it.
+fn shape_of(mesh: &Mesh, hub_angle: f64, outer: &[f64]) -> Shape {
+    let [root, turn] = mesh.rigid(0).map(|part| part * hub_angle);
+    // Both nodes of a spring lie at the root.
+    let springs = mesh.springs();
+    let at_root = std::iter::once([root, turn]).chain((0..springs).map(|k| [root, outer[k]]));
+    let beyond = outer[springs..].chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+    let deflections = at_root.chain(beyond).enumerate().map(|(node, [v, phi])| {
+        let [rigid_v, rigid_phi] = mesh.rigid(node).map(|part| part * hub_angle);
+        Vector2::new(v - rigid_v, phi - rigid_phi)
+    });
+    Shape { hub_angle, deflections: deflections.collect() }
+}
+
+/// Bending moment at the root per coordinate (w, w') of the nodes that a weight `outward_m_s2` along the link adds to the
+/// one of its inertia.
+pub(crate) fn root_pull(mesh: &Mesh, outward_m_s2: f64) -> Vec<f64> {
+    let [_, weight] = assembled(mesh, (0.0, outward_m_s2));
+    weight.row(2 * mesh.springs() + 1).iter().copied().collect()
 }
 
 /// Mass and stiffness on the joint's position and on (v, φ) of nodes 1 … n; on φ alone of the outer node of a spring at the
@@ -589,11 +605,11 @@ mod tests {
         }
         // Mass-normalised, the pendulum turns by 1/√I; a clamped hub does not turn.
         let rigid = link.rigid_inertia_kg_m2().sqrt();
-        let shape = &pose_modes(&mesh, 9.81, PoseHub::Free, 1).unwrap()[0].1;
+        let shape = &pose_modes(&mesh, 9.81, PoseHub::Free, 1).unwrap()[0].1.displacements(&mesh);
         for (across, at_m) in shape.iter().zip(mesh.nodes_m()) {
             assert!((across * rigid / at_m - 1.0).abs() < 1e-4, "{across} at {at_m} m");
         }
-        let shape = &pose_modes(&mesh, 9.81, CLAMPED, 1).unwrap()[0].1;
+        let shape = &pose_modes(&mesh, 9.81, CLAMPED, 1).unwrap()[0].1.displacements(&mesh);
         assert!(shape[0] == 0.0 && shape.windows(2).all(|pair| pair[0] < pair[1]), "{shape:?}");
         // On a spring at the hub, ω² of the rigid link is k/I.
         let spring = first(&mesh, 0.0, PoseHub::Spring(2.0));

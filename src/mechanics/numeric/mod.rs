@@ -27,4 +27,6 @@ pub(crate) use scalar::{dot, extremes, relative_change, rounded};
 pub(crate) use spline::{CubicSpline, QuinticSpline, SplineEnds};
 pub use student::{NORMAL_95, student_95};
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
-pub(crate) use units::{may_count_turns, quantity_pattern, reads_as_unit, split_number};
+pub(crate) use units::{
+    may_count_turns, parse_hertz, quantity_pattern, reads_as_unit, split_number,
+};

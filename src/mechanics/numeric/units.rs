@@ -156,6 +156,21 @@ pub fn parse_quantity(text: &str, expected: Dimension) -> Result<f64, UnitError>
     if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite) }
 }
 
+/// Frequency in Hz of text such as `"2.52 Hz"`, with Hz, kHz, MHz, rad/s or rpm. As a [`Dimension::RATE`] a hertz would be
+/// a radian per second.
+pub(crate) fn parse_hertz(text: &str) -> Option<f64> {
+    let (number, unit) = split_number(text)?;
+    let hertz = match unit.trim() {
+        "Hz" => 1.0,
+        "kHz" => 1e3,
+        "MHz" => 1e6,
+        "rad/s" => 0.5 / PI,
+        "rpm" => 1.0 / 60.0,
+        _ => return None,
+    };
+    Some(number * hertz)
+}
+
 /// Splits off the decimal number at the start of `text`. Returns `None` without a number or if the rest makes it
 /// doubtful, as in `1,5` and `1_000`.
 pub(crate) fn split_number(text: &str) -> Option<(f64, &str)> {

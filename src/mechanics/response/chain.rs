@@ -365,9 +365,14 @@ impl Piece {
         }
     }
 
+    /// Order of its polynomials.
+    pub(super) fn order(&self) -> usize {
+        self.shapes[0].len() - 1
+    }
+
     /// Coordinates that bend the piece, and their numbers among its shapes.
     pub(super) fn coordinates(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<> {
-        let (first, count) = (self.first, self.shapes[0].len() - 1);
+        let (first, count) = (self.first, self.order());
         // The joint's position is no slope from its tangent line.
         let inner = (first > 1).then(|| (first - 1, 0));
         inner.into_iter().chain((0..count).map(move |k| (first + k, k + 1)))

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::balance::Balance;
 use super::bent::BentMotion;
-use super::driving::Driving;
+use super::driving::{Driving, Jump};
 use super::error::SimulationError;
 use super::linkage::Linkage;
 use super::losses::{Answers, Losses, balanced};
@@ -168,6 +168,9 @@ impl DrivenLinks<'_> {
         let holds = |joint: &usize| self.cycle.is_none().then(|| -balance.force[*joint]);
         let holding_n_m = self.linkage.joints.iter().map(holds);
         let mut played = BentMotion::empty(&self.linkage, from_rad, (steps, grid.len), holding_n_m);
+        if self.cycle.is_none() {
+            self.jump(0, &mut motion)?;
+        }
         self.accelerate(0, &mut motion, &mut balance)?;
         if let Some(cycle) = &self.cycle {
             let joints = (&self.linkage.joints[..], self.linkage.links[0].position_size());
@@ -228,8 +231,42 @@ impl DrivenLinks<'_> {
             self.linkage.balance(q, rates, balance);
             self.apply((sample, interval_share(stage, step, steps)), (q, rates), balance);
         });
-        let time_s = self.grid.time_s(sample + 1);
-        if is_done { Ok(()) } else { Err(SimulationError::NotConverged { time_s }) }
+        if !is_done {
+            return Err(SimulationError::NotConverged { time_s: self.grid.time_s(sample + 1) });
+        }
+        if step + 1 == steps { self.jump(sample + 1, motion) } else { Ok(()) }
+    }
+
+    /// Lets prescribed joints jump at a sample. The masses determine the motion of the other coordinates, and the damping of
+    /// a jump of position changes their rates.
+    fn jump(&self, sample: usize, motion: &mut Motion) -> Result<(), SimulationError> {
+        let jumps = self.drives.iter().map(|own| own.driving().jump_at(sample));
+        let jumps: Vec<Jump> = jumps.collect();
+        if jumps.iter().flatten().all(|own| *own == 0.0) {
+            return Ok(());
+        }
+        let (count, mut balance) = (motion.q.len(), Balance::default());
+        self.linkage.balance(&motion.q, &motion.rates, &mut balance);
+        for joint in &self.linkage.joints {
+            balance.mass[joint * count..][..count].fill(0.0);
+            balance.mass[joint * count + joint] = 1.0;
+        }
+        let lost = || SimulationError::NotFinite { time_s: self.grid.time_s(sample) };
+        let mut by = |part: usize, force: Vec<f64>| {
+            balance.force = force;
+            for (joint, jump) in self.linkage.joints.iter().zip(&jumps) {
+                balance.force[*joint] = jump[part];
+            }
+            let changes = balance.accelerations(std::iter::empty()).ok_or_else(lost)?.0;
+            Ok::<_, SimulationError>(changes.as_slice().to_vec())
+        };
+        let moved = by(0, vec![0.0; count])?;
+        let damping = self.linkage.damping.chunks_exact(count);
+        let quicker = by(1, damping.map(|row| -dot(row, &moved)).collect())?;
+        let pairs = motion.q.iter_mut().zip(moved).chain(motion.rates.iter_mut().zip(quicker));
+        pairs.for_each(|(own, change)| *own += change);
+        let mut balance = Balance::default();
+        self.accelerate(sample, motion, &mut balance)
     }
 
     /// Applies the inputs of all joints at an instant.

@@ -19,7 +19,12 @@ pub(super) struct Driving {
     pub(super) repeats: bool,
     /// Rate in rad/s of the reference; the damping of a loop turns with it. `None`: at rest.
     pub(super) turning: Option<Box<Self>>,
+    /// Jumps of a prescribed joint at the samples; empty for a smooth motion.
+    pub(super) jumps: Vec<Jump>,
 }
+
+/// Jump of a prescribed joint's position in rad and rate in rad/s.
+pub(super) type Jump = [f64; 2];
 
 /// Input of one step.
 #[derive(Debug, Clone, Copy)]
@@ -27,18 +32,38 @@ pub(super) struct Step {
     pub(super) input: Cubic,
     /// Rate of the reference.
     pub(super) turning: Cubic,
+    /// Jump of a prescribed joint at the end of the step.
+    pub(super) jump: Jump,
 }
 
 impl From<Cubic> for Step {
     fn from(input: Cubic) -> Self {
-        Self { input, turning: [0.0; 4] }
+        Self { input, turning: [0.0; 4], jump: [0.0; 2] }
     }
 }
 
 impl Driving {
     /// An input of these samples, 0 after the last one, about a reference at rest.
     pub(super) fn new(samples: Vec<f64>, pieces: Vec<Cubic>) -> Self {
-        Self { samples, pieces, hold: 0.0, repeats: false, turning: None }
+        Self { samples, pieces, hold: 0.0, repeats: false, turning: None, jumps: Vec::new() }
+    }
+
+    /// A prescribed joint that moves by these jumps alone, and at the rates that they leave.
+    pub(super) fn jumping(jumps: Vec<Jump>, repeats: bool) -> Self {
+        let (samples, pieces) = (vec![0.0; jumps.len()], vec![[0.0; 4]; jumps.len()]);
+        Self { repeats, jumps, ..Self::new(samples, pieces) }
+    }
+
+    /// Jump of a prescribed joint at a sample. At the first sample of a motion from rest the joint begins with it.
+    pub(super) fn jump_at(&self, sample: usize) -> Jump {
+        let len = self.jumps.len().max(1);
+        let sample = if self.repeats { sample % len } else { sample };
+        self.jumps.get(sample).copied().unwrap_or_default()
+    }
+
+    /// Jump from rest at the first sample. A cycle has none: its last step ends with it.
+    pub(super) fn first_jump(&self) -> Jump {
+        if self.repeats { [0.0; 2] } else { self.jump_at(0) }
     }
 
     /// Samples with a course between them: one cycle that `repeats`, or once.
@@ -89,6 +114,7 @@ impl Driving {
         (0..samples.saturating_sub(1)).map(move |k| Step {
             input: self.piece(k),
             turning: turning.map_or([0.0; 4], |turning| turning.piece(k)),
+            jump: self.jump_at(k + 1),
         })
     }
 
@@ -167,7 +193,7 @@ impl CycleError {
     }
 }
 
-/// A torque, or the voltage of a motor, between its samples.
+/// A torque, the voltage of a motor, or the motion of a joint, between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Interpolation {

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::driving::CycleError;
+use super::driving::{CycleError, Interpolation, Jump};
 use super::error::SimulationError;
 use crate::link::{ParameterError, not_negative};
 use crate::motion::wrapped;
@@ -158,6 +158,30 @@ impl HubReference {
         Ok(Self { grid, angle_rad, rate_rad_s })
     }
 
+    /// The motion, its times shifted by `shift_s` in s, at the times of `grid`: samples at these times as they are, others by a
+    /// cubic spline. `None` for times before the first sample or after the last.
+    pub fn on_times(&self, grid: &TimeGrid, shift_s: f64) -> Option<Self> {
+        let last = self.grid.len - 1;
+        let places: Vec<f64> = (0..grid.len)
+            .map(|k| (grid.time_s(k) - shift_s - self.grid.time_s(0)) / self.grid.step_s)
+            .collect();
+        let is_covered = |place: &f64| (-SAME_TIME..=last as f64 + SAME_TIME).contains(place);
+        if !places.iter().all(is_covered) {
+            return None;
+        }
+        let sampled = |samples: &[f64]| -> Vec<f64> {
+            let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
+            let at = |place: &f64| {
+                let nearest = place.round().clamp(0.0, last as f64);
+                let is_near = (place - nearest).abs() <= SAME_TIME;
+                if is_near { samples[nearest as usize] } else { spline.value(*place) }
+            };
+            places.iter().map(at).collect()
+        };
+        let rate_rad_s = self.rate_rad_s.as_deref().map(sampled);
+        Some(Self { grid: *grid, angle_rad: sampled(&self.angle_rad), rate_rad_s })
+    }
+
     /// Grid of the samples; its origin is the first sample.
     pub fn grid(&self) -> TimeGrid {
         self.grid
@@ -197,6 +221,38 @@ impl HubReference {
         (jump_rad.abs() > JUMP * steps.fold(0.0, f64::max)).then_some(jump_rad)
     }
 
+    /// Jumps of position and rate at the samples, for a joint that keeps each position until the next sample, or moves
+    /// along straight lines. A joint that does not repeat rests before its first and after its last sample.
+    pub(super) fn jumps(&self, is_stairs: bool, cycle_turn_rad: Option<f64>) -> Vec<Jump> {
+        let own = self.angle_rad();
+        // From the last sample to the first one of the next cycle.
+        let around = cycle_turn_rad.map_or(0.0, |turn_rad| own[0] + turn_rad - own[own.len() - 1]);
+        let rises = own.windows(2).map(|pair| pair[1] - pair[0]).chain([around]);
+        if is_stairs {
+            let jumps = [around].into_iter().chain(rises.take(own.len() - 1));
+            return jumps.map(|rise| [rise, 0.0]).collect();
+        }
+        let rates: Vec<f64> = rises.map(|rise| rise / self.grid().step_s).collect();
+        let before = [rates[own.len() - 1]].into_iter().chain(rates.iter().copied());
+        rates.iter().zip(before).map(|(rate, before)| [0.0, rate - before]).collect()
+    }
+
+    /// Rate in rad/s at the first sample: of a repeating cycle, else 0. A jump from rest comes later.
+    pub(super) fn first_rate_rad_s(
+        &self,
+        interpolation: Interpolation,
+        cycle_turn_rad: Option<f64>,
+    ) -> f64 {
+        let own = self.angle_rad();
+        match interpolation {
+            Interpolation::Cubic => self.accelerations(cycle_turn_rad).2,
+            Interpolation::Linear if cycle_turn_rad.is_some() => {
+                (own[1] - own[0]) / self.grid().step_s
+            }
+            Interpolation::Linear | Interpolation::Zero => 0.0,
+        }
+    }
+
     /// Accelerations in rad/s² at the samples and between them, and the first rate in rad/s: 0 after rest, else the
     /// rate of a repeating cycle with this turn.
     pub(super) fn accelerations(
@@ -218,9 +274,12 @@ impl HubReference {
     }
 }
 
+/// Distance of a time from a sample, in steps, that counts as none.
+const SAME_TIME: f64 = 1e-3;
+
 /// Whether two grids have the same samples, times within a thousandth of a step.
 pub(super) fn same_times(a: &TimeGrid, b: &TimeGrid) -> bool {
-    let near = |x: f64, y: f64| (x - y).abs() <= 1e-3 * a.step_s;
+    let near = |x: f64, y: f64| (x - y).abs() <= SAME_TIME * a.step_s;
     a.len == b.len
         && near(a.time_s(0), b.time_s(0))
         && near(a.time_s(a.len - 1), b.time_s(b.len - 1))

@@ -249,6 +249,12 @@ impl Linkage {
         links.map(of_link).collect()
     }
 
+    /// Turn of the links at stations by these coordinates, to first order.
+    pub(super) fn turns(&self, stations: &[Vec<Station>], q: &[f64]) -> Vec<Vec<f64>> {
+        let links = self.links.iter().zip(stations).zip(self.of_links(q));
+        links.map(|((link, stations), own)| link.turns(stations, &own)).collect()
+    }
+
     /// Stations at distances in m from the joint of each link, for places from coordinates.
     pub(super) fn stations(&self, along_m: &[Vec<f64>]) -> Vec<Vec<Station>> {
         self.links.iter().zip(along_m).map(|(link, own)| link.stations(own)).collect()

@@ -7,6 +7,7 @@
     reason = "counts of samples are computed as numbers that are checked to be small and positive"
 )]
 
+mod arm_space;
 mod balance;
 mod bent;
 mod chain;
@@ -17,6 +18,7 @@ mod error;
 mod history;
 mod linear;
 mod link_ratios;
+mod link_space;
 mod linkage;
 mod losses;
 mod modes;
@@ -30,6 +32,7 @@ mod sensed;
 mod shape;
 mod simulation;
 mod state;
+mod state_space;
 mod stepper;
 mod tip;
 
@@ -39,6 +42,7 @@ pub use driving::{CycleError, Interpolation};
 pub use error::{SimulationError, SimulationWarning};
 pub use history::{Feedback, HistoryError, HubReference, Torque};
 pub use link_ratios::damping_ratios;
+pub use link_space::link_state_space;
 pub use modes::ModeSelection;
 pub use play::{Input, Play, PlayProgress};
 pub use played::{ModalPlay, Played, PlayedBy, PlayedLink};
@@ -52,4 +56,5 @@ pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
 pub use simulation::{MovedJoint, move_arm, simulate};
 pub use state::{LinkState, State};
+pub use state_space::{Signal, StateSpace, StateSpaceScope};
 pub use tip::{PlayedTip, Ringing, TipCourse, simulate_once, simulate_tip};

@@ -1,6 +1,6 @@
 //! Input of a simulation: a torque, and feedback around a reference, or a motion of the hub.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::slice::from_ref;
 
 use super::driving::{CycleError, Driving, Interpolation};
@@ -35,7 +35,9 @@ pub enum Input<'a> {
     /// turn on at their rates after the last one.
     ///
     /// The angle between the samples is a quintic spline without rate and acceleration at the start; rates of the
-    /// reference have no effect.
+    /// reference have no effect. With [`Interpolation::Zero`] the joint jumps from sample to sample, and with
+    /// [`Interpolation::Linear`] it moves along straight lines; after the last sample it then rests. The torques of
+    /// these motions contain no impulses.
     Angles(&'a [HubReference]),
 }
 
@@ -113,7 +115,7 @@ pub(super) fn refuse_memory(
 pub struct Play<'a> {
     /// Input of the joints.
     pub input: Input<'a>,
-    /// Shape of a torque between its samples.
+    /// Shape of a torque or of an angle between its samples.
     pub interpolation: Interpolation,
     /// End time in s; `None`: the last sample of the input.
     pub until_s: Option<f64>,
@@ -199,7 +201,8 @@ impl<'a> Play<'a> {
             Input::Torques(torques) => torque_band_rad_s(&grid, torques[0].torque_n_m(), share),
             Input::Angles(hubs) => {
                 let (samples, ..) = hubs[0].accelerations(self.cycle_turn_rad);
-                return torque_band_rad_s(&grid, &samples, share);
+                let band_rad_s = torque_band_rad_s(&grid, &samples, share);
+                return band_rad_s.map(|band_rad_s| self.jumping_rad_s(&grid).max(band_rad_s));
             }
         };
         // The reference's rate, unlike its angle, is zero at both ends.
@@ -208,6 +211,12 @@ impl<'a> Play<'a> {
         let wanted = self.feedback.first().filter(drives).map(|of| of.rate_rad_s(repeats));
         let wanted = wanted.and_then(|rate| torque_band_rad_s(&grid, &rate, share));
         torque.into_iter().chain(wanted).reduce(f64::max)
+    }
+
+    /// Nyquist frequency in rad/s of prescribed joints that jump at their samples, else 0.
+    fn jumping_rad_s(&self, grid: &TimeGrid) -> f64 {
+        let jumps = !self.input.is_torque() && self.interpolation != Interpolation::Cubic;
+        if jumps { PI / grid.step_s } else { 0.0 }
     }
 
     /// Highest frequency in rad/s of an arm's inputs and references. The samples count from the first one, and there
@@ -232,7 +241,8 @@ impl<'a> Play<'a> {
         };
         let repeats = self.cycle_turn_rad.is_some();
         let wanted = self.feedback.iter().filter_map(|own| moving(&own.rate_rad_s(repeats)));
-        inputs.into_iter().flatten().chain(wanted).fold(0.0, f64::max)
+        let jumping = self.jumping_rad_s(&grid);
+        inputs.into_iter().flatten().chain(wanted).fold(jumping, f64::max)
     }
 
     /// The error of an input that moves nothing.
@@ -348,6 +358,11 @@ impl<'a> Play<'a> {
                 let turn_rad = self.turn_of_cycle_rad(joint);
                 if let Some(jump_rad) = turn_rad.and_then(|turn_rad| hub.jump_rad(turn_rad)) {
                     return Err(CycleError::Reference { jump_rad }.into());
+                }
+                if self.interpolation != Interpolation::Cubic {
+                    let is_stairs = self.interpolation == Interpolation::Zero;
+                    let jumps = hub.jumps(is_stairs, turn_rad);
+                    return Ok(Driving::jumping(jumps, turn_rad.is_some()));
                 }
                 let (samples, pieces, _) = hub.accelerations(turn_rad);
                 return Ok(Driving {

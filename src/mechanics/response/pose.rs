@@ -12,6 +12,7 @@ use num_complex::Complex64;
 use thiserror::Error;
 
 use super::balance::{Balance, Met, Place};
+use super::chain::Chain;
 use super::linkage::Linkage;
 use super::shape::{direction, in_parts, settled};
 use crate::elastica::reaching;
@@ -223,12 +224,18 @@ impl ArmPose {
         self.chain.places_m(&self.chain.stations(along_m), &self.rest)
     }
 
-    /// Movement of these places along x and y by the coordinates, to first order.
-    pub(super) fn moved(&self, along_m: &[Vec<f64>], shape: &[f64]) -> Vec<Vec<[f64; 2]>> {
+    /// Movement of these places along x and y, and turn of the link there, by the coordinates, to first order.
+    pub(super) fn moved(&self, along_m: &[Vec<f64>], shape: &[f64]) -> Vec<Vec<[f64; 3]>> {
         let stations = self.chain.stations(along_m);
+        let turns = self.chain.turns(&stations, shape);
+        let only_turned = |own: &Vec<f64>| own.iter().map(|turn| [0.0, 0.0, *turn]).collect();
+        let mut moved: Vec<Vec<[f64; 3]>> = turns.iter().map(only_turned).collect();
+        let largest = shape.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        if largest == 0.0 {
+            return moved;
+        }
         // Coordinates may have any size: the largest one changes by these steps.
-        let part = PART_RAD / shape.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
-        let mut moved: Vec<_> = along_m.iter().map(|own| vec![[0.0; 2]; own.len()]).collect();
+        let part = PART_RAD / largest;
         for (parts, share) in (1_u8..).zip(SHARES) {
             for sign in [1.0, -1.0] {
                 let step = sign * f64::from(parts) * part;
@@ -242,6 +249,23 @@ impl ArmPose {
             }
         }
         moved
+    }
+
+    /// Curvature in 1/m at the root of each link per coordinate of the pose.
+    pub(super) fn root_rows(&self) -> Vec<Vec<f64>> {
+        let links = self.chain.links.iter().zip(&self.chain.joints);
+        let row = |(link, first): (&Chain, &usize)| {
+            let mut row = vec![0.0; self.count];
+            row[*first..][..link.count].copy_from_slice(&link.root_curvature());
+            row
+        };
+        links.map(row).collect()
+    }
+
+    /// Lengths of the links in m, from joint to tip.
+    pub(super) fn lengths_m(&self) -> Vec<f64> {
+        let pieces = |link: &Chain| link.pieces.iter().map(|piece| piece.length_m).sum::<f64>();
+        self.chain.links.iter().map(|link| link.root_m + pieces(link)).collect()
     }
 
     /// Response to the torque of each joint at `frequency_hz` > 0, friction of the joints included. It is not finite at

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::link_ratios::{SmallMotions, damping_ratio};
 use super::pose::{ArmPose, ArmResponse, PoseError, TorqueResponse, quadratic};
 use crate::link::Arm;
+use crate::modal::Shape;
 use crate::numeric::{Size, SymmetricEigen, dot, magnitude, relative_change};
 
 /// Orders that each refinement adds, and most refinements.
@@ -31,9 +32,10 @@ pub struct PoseMode {
     pub damping_ratio: Option<f64>,
     /// Turn of each joint, scaled to a largest turn of 1; all 0 for a mode that turns no joint.
     pub joints: Vec<f64>,
-    /// Mass-normalised shape: the coordinates of the pose, or for one straight link the displacements of its nodes in
-    /// 1/√kg.
+    /// Mass-normalised shape in coordinates of the pose; empty for one straight link.
     pub shape: Vec<f64>,
+    /// Mass-normalised shape of one straight link.
+    pub of_link: Option<Shape>,
 }
 
 /// Modes with the lowest ω² first, and their errors.
@@ -59,8 +61,11 @@ pub struct ArmShapes {
     pub nodes_m: Vec<Vec<f64>>,
     /// x and y at rest in m.
     pub rest_m: Vec<Vec<[f64; 2]>>,
-    /// Mass-normalised displacements along x and y in 1/√kg, one list a mode with all joints free.
-    pub free: Vec<Vec<Vec<[f64; 2]>>>,
+    /// Mass-normalised displacements along x and y in 1/√kg and turn of the link in 1/(m √kg), one list a mode with all
+    /// joints free.
+    pub free: Vec<Vec<Vec<[f64; 3]>>>,
+    /// The same of the modes with held rotors.
+    pub held: Vec<Vec<Vec<[f64; 3]>>>,
 }
 
 /// Modes of an arm about a pose.
@@ -78,7 +83,7 @@ pub struct ArmModes {
     pub held: SettledModes,
     /// Stiffness of each joint between rotor and hub in N m/rad, infinite for a rigid joint.
     pub joint_stiffnesses_n_m_rad: Vec<f64>,
-    pose: ArmPose,
+    pub(super) pose: ArmPose,
 }
 
 impl ArmModes {
@@ -86,12 +91,12 @@ impl ArmModes {
     /// with the largest turn turns counterclockwise. If no joint turns, the tip moves along x or y, the axis of its
     /// larger movement.
     pub fn shapes(&self, nodes_m: Vec<Vec<f64>>) -> ArmShapes {
-        let modes = self.free.modes.par_iter();
-        ArmShapes {
-            rest_m: self.pose.places_m(&nodes_m),
-            free: modes.map(|mode| self.pose.moved(&nodes_m, &mode.shape)).collect(),
-            nodes_m,
-        }
+        let moved = |own: &SettledModes| {
+            let modes = own.modes.par_iter();
+            modes.map(|mode| self.pose.moved(&nodes_m, &mode.shape)).collect()
+        };
+        let (free, held) = (moved(&self.free), moved(&self.held));
+        ArmShapes { rest_m: self.pose.places_m(&nodes_m), free, held, nodes_m }
     }
 }
 
@@ -116,17 +121,23 @@ impl ArmPose {
         springs_n_m_rad: Option<&[f64]>,
         count: usize,
     ) -> Result<Vec<PoseMode>, PoseError> {
-        let spring = |joint: usize| springs_n_m_rad.map_or(0.0, |springs| springs[joint]);
-        let mut stiffness = self.stiffness.clone();
-        let mut moves = vec![true; self.count];
-        for (number, joint) in self.joints.iter().enumerate() {
-            if spring(number).is_finite() {
-                stiffness[joint * self.count + joint] += spring(number);
-            } else {
-                moves[*joint] = false;
-            }
-        }
-        let moves: Vec<usize> = (0..self.count).filter(|k| moves[*k]).collect();
+        let mut modes = self.undamped(springs_n_m_rad, count)?;
+        let (stiffness, moves) = self.on_springs(springs_n_m_rad);
+        let motions = Matrices::of(self, &stiffness, &moves);
+        modes.par_iter_mut().filter(|mode| mode.square_per_s2 > 0.0).for_each(|mode| {
+            let x: Vec<f64> = moves.iter().map(|k| mode.shape[*k]).collect();
+            mode.damping_ratio = damping_ratio(&motions, mode.square_per_s2.sqrt(), &x);
+        });
+        Ok(modes)
+    }
+
+    /// [`ArmPose::modes`] without damping ratios.
+    pub(super) fn undamped(
+        &self,
+        springs_n_m_rad: Option<&[f64]>,
+        count: usize,
+    ) -> Result<Vec<PoseMode>, PoseError> {
+        let (stiffness, moves) = self.on_springs(springs_n_m_rad);
         let mut modes: Vec<PoseMode> = lowest(&self.mass, &stiffness, &moves, count)?
             .into_iter()
             .map(|x| self.mode(&stiffness, &x))
@@ -138,12 +149,22 @@ impl ArmPose {
                 swing.square_per_s2 = 0.0;
             }
         }
-        let motions = Matrices::of(self, &stiffness, &moves);
-        modes.par_iter_mut().filter(|mode| mode.square_per_s2 > 0.0).for_each(|mode| {
-            let x: Vec<f64> = moves.iter().map(|k| mode.shape[*k]).collect();
-            mode.damping_ratio = damping_ratio(&motions, mode.square_per_s2.sqrt(), &x);
-        });
         Ok(modes)
+    }
+
+    /// The stiffness with springs at the joints, and the coordinates that move: infinite springs clamp their joints.
+    fn on_springs(&self, springs_n_m_rad: Option<&[f64]>) -> (Vec<f64>, Vec<usize>) {
+        let spring = |joint: usize| springs_n_m_rad.map_or(0.0, |springs| springs[joint]);
+        let mut stiffness = self.stiffness.clone();
+        let mut moves = vec![true; self.count];
+        for (number, joint) in self.joints.iter().enumerate() {
+            if spring(number).is_finite() {
+                stiffness[joint * self.count + joint] += spring(number);
+            } else {
+                moves[*joint] = false;
+            }
+        }
+        (stiffness, (0..self.count).filter(|k| moves[*k]).collect())
     }
 
     /// The undamped mode of a shape, ω² by Rayleigh's quotient.
@@ -163,6 +184,7 @@ impl ArmPose {
             damping_ratio: None,
             joints: self.joints.iter().map(part).collect(),
             shape: x.iter().map(|own| factor * own).collect(),
+            of_link: None,
         }
     }
 }

@@ -232,13 +232,37 @@ impl Chain {
                     } else {
                         GaussRule::new(points).up_to(t)
                     };
-                    return Station { piece, within, inside_m: s_m.min(self.root_m) };
+                    return Station { piece, t, within, inside_m: s_m.min(self.root_m) };
                 }
                 from_m = to_m;
             }
-            Station { piece: 0, within: Vec::new(), inside_m: 0.0 }
+            Station { piece: 0, t: -1.0, within: Vec::new(), inside_m: 0.0 }
         };
         along_m.iter().map(station).collect()
+    }
+
+    /// Turn of the link at stations by these coordinates.
+    pub(super) fn turns(&self, stations: &[Station], q: &[f64]) -> Vec<f64> {
+        let root = self.root_rad_s(q);
+        let turn = |station: &Station| {
+            if station.inside_m < self.root_m {
+                return root;
+            }
+            let piece = &self.pieces[station.piece];
+            let shape = piece_shapes(piece.order(), station.t).0;
+            root + piece.coordinates().map(|(i, k)| q[i] * shape[k]).sum::<f64>()
+        };
+        stations.iter().map(turn).collect()
+    }
+
+    /// Curvature at the root in 1/m per coordinate.
+    pub(super) fn root_curvature(&self) -> Vec<f64> {
+        let mut row = vec![0.0; self.count];
+        if let Some(piece) = self.pieces.first() {
+            let slopes = piece_shapes(piece.order(), -1.0).1;
+            piece.coordinates().for_each(|(i, k)| row[i] = 2.0 / piece.length_m * slopes[k]);
+        }
+        row
     }
 
     /// Places of stations in m.
@@ -284,6 +308,8 @@ fn reached(from_m: [f64; 2], length_m: f64, within: &[f64], slopes: &[[f64; 2]])
 #[derive(Debug, Clone)]
 pub(super) struct Station {
     piece: usize,
+    /// Place on the piece, with ends −1 and 1.
+    t: f64,
     within: Vec<f64>,
     /// Distance from the axis within the hub's radius.
     inside_m: f64,

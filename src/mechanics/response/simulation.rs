@@ -305,7 +305,8 @@ impl Bending<'_> {
         };
         if let Input::Angles(hubs) = play.input {
             for (number, (joint, hub)) in linkage.joints.iter().zip(hubs).enumerate() {
-                start.rates[*joint] = hub.accelerations(play.turn_of_cycle_rad(number)).2;
+                let turn_rad = play.turn_of_cycle_rad(number);
+                start.rates[*joint] = hub.first_rate_rad_s(play.interpolation, turn_rad);
             }
         }
         let aim_rad = one.map_or(0.0, |link| {

@@ -1,6 +1,6 @@
 use nalgebra::DMatrix;
 
-use super::driving::{Driving, Step};
+use super::driving::{Driving, Jump, Step};
 use super::losses::{Losses, mean, part_of};
 use super::modes::{Equations, HubReaction};
 use crate::numeric::{TimeGrid, dot};
@@ -31,6 +31,8 @@ pub(super) struct Stepper {
     state: Vec<f64>,
     next: Vec<f64>,
     losses: Option<Lossy>,
+    /// Changes of the state by a unit jump of a prescribed joint's position, and of its rate.
+    by_jumps: Option<[Vec<f64>; 2]>,
 }
 
 /// Losses of a drive, solved in every step.
@@ -88,7 +90,22 @@ impl Stepper {
             let hub_rate = vec![0.0; count].into_iter().chain(of_hub()).collect();
             Lossy { own, step_s, hub_rate }
         });
-        Self { count, transition, answers, of_turning, scales, state: rest(), next: rest(), losses }
+        let by_jumps = equations.prescribed.map(|_| by_jumps(equations, &scales));
+        let (state, next) = (rest(), rest());
+        Self { count, transition, answers, of_turning, scales, state, next, losses, by_jumps }
+    }
+
+    /// The state after a jump of a prescribed joint.
+    pub(super) fn jumped(mut self, jump: Jump) -> Self {
+        self.jump(jump);
+        self
+    }
+
+    fn jump(&mut self, jump: Jump) {
+        for (by, part) in self.by_jumps.iter().flatten().zip(jump).filter(|(_, part)| *part != 0.0)
+        {
+            self.state.iter_mut().zip(by).for_each(|(state, by)| *state += part * by);
+        }
     }
 
     /// Continues from these coordinates and rates.
@@ -108,11 +125,14 @@ impl Stepper {
 
     /// Advances by one step of the input.
     pub(super) fn advance(&mut self, step: &Step) {
-        let Some(losses) = &self.losses else { return self.advance_once(step) };
-        let parts = losses.own.substeps;
+        let parts = self.losses.as_ref().map_or(1, |losses| losses.own.substeps);
+        if parts == 1 && self.losses.is_none() {
+            self.advance_once(step);
+            return self.jump(step.jump);
+        }
         for part in 0..parts {
             let [input, turning] = [step.input, step.turning].map(|own| part_of(own, part, parts));
-            self.advance_once(&Step { input, turning });
+            self.advance_once(&Step { input, turning, ..*step });
         }
     }
 
@@ -272,7 +292,7 @@ impl Record {
         let modes = equations.coordinates.len();
         let mut record = Self::with_capacity(modes, grid.len);
         let stepper = Stepper::new(equations, grid.step_s).starting_at(coordinates, rates);
-        stepper.run(driving.steps(grid.len), |stepper| {
+        stepper.jumped(driving.first_jump()).run(driving.steps(grid.len), |stepper| {
             record.push(&stepper.coordinates(), &stepper.rates());
         });
         record
@@ -288,6 +308,23 @@ impl Record {
         let row = sample * self.modes..(sample + 1) * self.modes;
         (&self.coordinates[row.clone()], &self.rates[row])
     }
+}
+
+/// Changes of the state, scaled coordinates and rates, by a unit jump of a prescribed joint's position and of its rate.
+///
+/// The input is δ' or δ. With the drives b and the damping D of the coordinates q, δ' moves q by b at once, and the
+/// damping of this motion stops at a rate lower by D b. δ raises the rates by b.
+fn by_jumps(equations: &Equations, scales: &[f64]) -> [Vec<f64>; 2] {
+    let coordinates = &equations.coordinates;
+    let drives: Vec<f64> = coordinates.iter().map(|own| own.drive).collect();
+    let damped = |k: usize| match &equations.damping {
+        None => coordinates[k].rate_per_s * drives[k],
+        Some(damping) => dot(&damping[k * drives.len()..][..drives.len()], &drives),
+    };
+    let moved = drives.iter().zip(scales).map(|(drive, scale)| drive * scale);
+    let moved = moved.chain((0..drives.len()).map(|k| -damped(k))).collect();
+    let quicker = scales.iter().map(|_| 0.0).chain(drives.iter().copied()).collect();
+    [moved, quicker]
 }
 
 /// The matrix with a step as its exponential, for some of the coordinates: scaled coordinates, rates, and the

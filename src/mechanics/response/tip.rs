@@ -18,7 +18,7 @@ use super::simulation::play_bent_once;
 use super::stepper::Stepper;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Arm, Gravity, Link};
-use crate::modal::{DampingLaw, PoseHub, pose_modes};
+use crate::modal::{DampingLaw, PoseHub, Shape, pose_modes};
 use crate::numeric::{TimeGrid, magnitude};
 
 /// Share of the motion above the input's band, see [`Play::band_rad_s`].
@@ -174,7 +174,7 @@ fn linear(
     let tips: Vec<f64> = equations.coordinates.iter().map(|own| own.tip).collect();
     let factors = stepper.factors(&tips, &vec![0.0; tips.len()]);
     let (start_m, mut at_m) = (play.start_m(link), Vec::with_capacity(grid.len));
-    stepper.run(driving.steps(grid.len), |stepper| {
+    stepper.jumped(driving.first_jump()).run(driving.steps(grid.len), |stepper| {
         at_m.push(start_m + stepper.weighted(&factors));
     });
     match at_m.iter().position(|at_m| !at_m.is_finite()) {
@@ -251,11 +251,10 @@ fn rings_bent(
         let hub = if is_held { PoseHub::Spring(f64::INFINITY) } else { PoseHub::Free };
         let along = |own: &Gravity| own.along_m_s2(directions_rad[0]);
         let modes = pose_modes(&meshes[0], link.gravity().map_or(0.0, along), hub, count)?;
-        // The root of a link on a carriage moves with it.
-        let mode = |(square_per_s2, across): (f64, Vec<f64>)| FreeMode {
+        let mode = |(square_per_s2, shape): (f64, Shape)| FreeMode {
             square_per_s2,
             rate_per_s: 0.0,
-            joints: vec![across[0]],
+            joints: vec![shape.hub_angle],
         };
         modes.into_iter().map(mode).collect()
     } else {

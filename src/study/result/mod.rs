@@ -2,6 +2,7 @@
 //! folders.
 
 mod channels;
+mod drive_unit;
 mod errors;
 mod fit;
 mod limits;
@@ -10,14 +11,15 @@ mod modes;
 mod peak;
 mod quantities;
 mod remark;
+mod set_points;
 mod stored;
 mod tip_error;
-mod torque_table;
 
 pub use channels::{
     ChannelComparison, ChannelFit, ChannelRecording, Comparison, ComparisonError, NoFit,
     SimulatedChannel,
 };
+pub use drive_unit::{DriveUnit, SetPoint, UnitChoice};
 pub use errors::{BandMeshError, CoarseMesh, Refined, mesh_errors};
 pub use fit::{Along, Fit, FitError, FitProblem, OpenMotion, shortest_fit, solved};
 pub use limits::{Check, Exceeded, LimitedValue, Limits, Reached, reached};
@@ -29,10 +31,10 @@ pub use peak::Peak;
 pub(crate) use quantities::by_name;
 pub use quantities::{JointQuantity, QUANTITIES, Shown, Unit};
 pub use remark::{NO_DIRECTION, Remark};
+pub use set_points::{Held, SetPointColumn, SetPointError, SetPoints, Side};
+pub(crate) use set_points::{for_hold, resampled};
 pub use stored::{
     LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArc, StoredCarriage, StoredInput,
     StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredRun, StoredSweep, line_difference,
 };
 pub use tip_error::{FollowedTarget, LateTarget, StoredTarget, TargetError, TipError, TipPlaces};
-pub use torque_table::TorqueTable;
-pub(crate) use torque_table::for_hold;

@@ -77,6 +77,15 @@ impl LinkZeros {
 }
 
 impl ModesResult {
+    /// Mass-normalised displacements in 1/√kg of the nodes of a straight link in each mode with the hub free.
+    pub fn displacements(&self) -> Vec<Vec<f64>> {
+        let modes = self.free.modes.iter().filter_map(|mode| mode.of_link.as_ref());
+        self.meshes
+            .iter()
+            .flat_map(|mesh| modes.clone().map(|own| own.displacements(mesh)))
+            .collect()
+    }
+
     /// Warnings of errors that the mesh, or the order of the polynomials, causes. Those of zeros name the link of an arm.
     pub fn warnings(&self, arm: &Arm) -> Vec<Notice> {
         let (held, by) = match self.setting {

@@ -105,7 +105,6 @@ pub const QUANTITIES: [JointQuantity; 22] = [
     of_joint("peak_hub_angle", ANGLE, |own| Some(own.peak_hub_angle_rad.value))
         .is("Largest turn of the hub from its start; of a cycle the range of its angle.")
         .limited("hub_angle", |own| own.angle_rad)
-        .not_swept()
         .played(|own| Some(own.peak_hub_angle_rad.value)),
     of_joint("peak_hub_rate", RATE, |own| Some(own.peak_hub_rate_rad_s.value))
         .is("Peak rate of the hub, an angle per time.")
@@ -117,7 +116,6 @@ pub const QUANTITIES: [JointQuantity; 22] = [
     })
     .is("Peak acceleration of the hub, an angle per time squared.")
     .limited("hub_acceleration", |own| own.acceleration_rad_s2)
-    .not_swept()
     .played(|own| Some(own.peak_hub_acceleration_rad_s2.value)),
     of_joint("peak_power", POWER, |own| Some(own.peak_power_w.value))
         .is("Peak mechanical power at the hub.")

@@ -252,6 +252,8 @@ pub struct StoredSweep {
     pub origin: Option<Origin>,
     /// The link of the first case, or the links of its arm; empty for a table without record.
     pub links: Vec<Link>,
+    /// The limits of the first case: of each joint, then of an arm's carriage; empty for a table without record.
+    pub limits: Vec<Limits>,
     /// SI units of the varied values, in the first columns of the table; empty for a key without unit.
     pub units: Vec<String>,
     /// The whole table: a row for each case.

@@ -292,6 +292,8 @@ pub fn share_words(share: f64) -> String {
 /// A study read back from its folder.
 #[derive(Debug, Clone)]
 pub struct StoredRobust {
+    /// Name of its folder.
+    pub name: String,
     /// Version, files and arguments of the study.
     pub origin: Origin,
     /// The link of the file, or the links of its arm.

@@ -5,7 +5,7 @@ mod playback;
 mod table;
 
 pub use check::{Answer, VerificationError};
-pub use table::{TableError, table_error};
+pub use table::{TableError, Unknown, table_error};
 
 use std::error::Error;
 use std::f64::consts::TAU;

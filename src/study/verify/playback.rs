@@ -9,7 +9,7 @@ use crate::inverse::{Resources, Solution, invert_motion, size};
 use crate::link::{Damping, Link, LinkParts};
 use crate::modal::held_frequencies;
 use crate::motion::{ArmPath, Ends, Motion, TipMotion, TipTarget};
-use crate::numeric::{Size, largest, largest_difference};
+use crate::numeric::{Size, TimeGrid, largest, largest_difference};
 use crate::response::{
     EnergyAccount, EnergyBalance, HubReference, Interpolation, Play, Played, SimulationError,
     State, Torque, simulate_on,
@@ -75,26 +75,42 @@ pub(super) fn played(answer: &Answer) -> Result<PlayedChecks, VerificationError>
 /// Plays a torque on a link as it starts to follow its motion.
 pub(super) fn simulated(
     (solution, motion): (&Solution, &TipMotion),
-    torque_n_m: &[f64],
+    torque: &Torque,
     interpolation: Interpolation,
     memory_bytes: Option<usize>,
 ) -> Result<Played, VerificationError> {
-    let (link, grid) = (solution.links[0].link(), solution.grid);
-    let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let torque = Torque::new(&time_s, torque_n_m.to_vec())?;
-    let initial_tip_m = solution.tip[0].displacement_m[0];
-    let moving =
-        State::turning(link, grid.time_s(0), [initial_tip_m, solution.tip[0].velocity_m_s[0]]);
-    let play = Play {
+    let play = under_torque((solution, motion), torque, interpolation, memory_bytes);
+    let initial = State::turning(
+        solution.links[0].link(),
+        solution.grid.time_s(0),
+        [solution.tip[0].displacement_m[0], solution.tip[0].velocity_m_s[0]],
+    );
+    let state = (motion.ends() == Ends::Moving).then_some(&initial);
+    let link = &solution.links[0];
+    Ok(simulate_on(link.link(), link.mesh().clone(), &Play { state, ..play })?)
+}
+
+/// A play of a torque on a link at rest as it starts to follow its motion.
+pub(super) fn under_torque<'a>(
+    (solution, motion): (&Solution, &TipMotion),
+    torque: &'a Torque,
+    interpolation: Interpolation,
+    memory_bytes: Option<usize>,
+) -> Play<'a> {
+    Play {
         interpolation,
-        initial_tip_m,
+        initial_tip_m: solution.tip[0].displacement_m[0],
         memory_bytes,
         is_large: solution.second_order.is_some(),
-        state: (motion.ends() == Ends::Moving).then_some(&moving),
-        cycle_turn_rad: turn_of_cycle_rad(link, motion),
-        ..Play::of(&torque)
-    };
-    Ok(simulate_on(link, solution.links[0].mesh().clone(), &play)?)
+        cycle_turn_rad: turn_of_cycle_rad(solution.links[0].link(), motion),
+        ..Play::of(torque)
+    }
+}
+
+/// A torque on a grid.
+pub(super) fn torque_on(grid: &TimeGrid, torque_n_m: &[f64]) -> Result<Torque, VerificationError> {
+    let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
+    Ok(Torque::new(&time_s, torque_n_m.to_vec())?)
 }
 
 /// Plays the written torque on a link, or moves its hub.
@@ -116,7 +132,8 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unpl
         _ => {}
     }
     let (followed, memory_bytes) = ((solution, motion), answer.memory_bytes);
-    let simulation = simulated(followed, written_n_m, Interpolation::Cubic, memory_bytes)?;
+    let torque = torque_on(&solution.grid, written_n_m)?;
+    let simulation = simulated(followed, &torque, Interpolation::Cubic, memory_bytes)?;
     let Some(modes) = simulation.modes() else { return moved(answer, Kind::OF_HUB) };
     let straight_m = modes.straight_tip_m(written_n_m);
     let between_m = largest_difference(&simulation.tip[0].displacement_m, &straight_m);
@@ -145,7 +162,7 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unpl
 }
 
 /// Turn in rad of a cycle; `None` for a motion that does not repeat.
-fn turn_of_cycle_rad(link: &Link, motion: &TipMotion) -> Option<f64> {
+pub(super) fn turn_of_cycle_rad(link: &Link, motion: &TipMotion) -> Option<f64> {
     (motion.ends() == Ends::Periodic).then(|| motion.travel_m() / link.rigid_tip())
 }
 

@@ -1,20 +1,25 @@
-//! The error of the tip under a table of torques.
+//! The error of the tip under a table of set-points.
+
+use std::borrow::Cow;
 
 use super::check::VerificationError;
-use super::playback::{simulated, wanted_tip};
+use super::playback::{simulated, torque_on, turn_of_cycle_rad, under_torque, wanted_tip};
 use crate::beam::MeshPlan;
 use crate::inverse::Solution;
-use crate::link::{Arm, Link};
+use crate::link::{Arm, Drive, Link};
 use crate::motion::{Ends, Motion};
-use crate::numeric::rounded;
+use crate::numeric::{TimeGrid, rounded};
 use crate::response::{
     ArmPose, Feedback, HubReference, Input, Interpolation, Play, Played, SimulationError, Start,
-    Torque, simulate,
+    Torque, simulate, simulate_on,
 };
-use crate::result::{TipError, TorqueTable, for_hold};
+use crate::result::{Held, SetPoint, SetPoints, Side, TipError, for_hold, resampled};
 
 /// Share of the motion within which an arm that plays a table settles: a hundredth of the error that causes a warning.
 const SETTLED: f64 = 1e-5;
+
+/// The same where joints are moved in steps, along lines or from count to count, which settle slowly.
+const SETTLED_MOVED: f64 = 1e-4;
 
 /// Poses of an arm, spread over the window, that the search for a fall examines.
 const POSES: usize = 16;
@@ -35,74 +40,278 @@ pub struct TableError {
     pub feedback: Vec<[f64; 2]>,
 }
 
-/// Distance of the tip from the wanted motion if a table is played in place of the solved torques; `plans` are those of the
-/// links' meshes.
+/// Reason why no tip error of a table is known.
+#[derive(Debug)]
+pub enum Unknown {
+    /// Why the table is not played, in words.
+    Reason(String),
+    /// An error that ends the run.
+    Error(VerificationError),
+}
+
+impl<E: Into<VerificationError>> From<E> for Unknown {
+    fn from(error: E) -> Self {
+        Self::Error(error.into())
+    }
+}
+
+/// Distance of the tip from the wanted motion if drives hold one quantity of a table in place of the solved one; `plans`
+/// are those of the links' meshes.
 ///
 /// Direct dynamics play both, and the difference of their tips is added to the solved tip. Hysteretic damping has no
 /// equation in time: both are played with the viscous damping that `simulate` takes for it, and what that alone changes
 /// cancels.
 ///
-/// An arm that falls from a pose on its path, or that repeats a cycle, is played under a feedback around the joints as solved,
-/// as a robot has it. For a converter that holds its values, the reference of the feedback is corrected as the torques are.
+/// Positions and velocities move the joints as prescribed, in steps or along lines where the table is made for them. A
+/// motor behind an elastic transmission moves the end of its spring.
+///
+/// An arm that falls from a pose on its path, or that repeats a cycle, plays its torques under a feedback around the joints
+/// as solved, as a robot has it. For a converter that holds its values, the reference of the feedback is corrected as the
+/// torques are.
 ///
 /// # Errors
-/// [`VerificationError`] where a link or an arm cannot be played.
+/// [`Unknown`] where a link or an arm cannot be played.
 pub fn table_error(
     solution: &Solution,
     plans: &[MeshPlan],
-    table: &TorqueTable,
+    (table, held): (&SetPoints, Held),
     memory_bytes: Option<usize>,
-) -> Result<TableError, VerificationError> {
-    let grid = solution.grid;
-    let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
+) -> Result<TableError, Unknown> {
+    let grid = table.played_grid();
     let is_cycle = solution.motion.ends() == Ends::Periodic;
     // Torques alone do not hold an arm in its cycle.
-    let is_held = falls(solution) || is_cycle && solution.arm.alone().is_none();
+    let is_held =
+        held == Held::Effort && (falls(solution) || is_cycle && solution.arm.alone().is_none());
     let gains = if is_held { gains(&solution.arm) } else { Vec::new() };
-    let played = |table: &TorqueTable| -> Result<Played, VerificationError> {
-        let (torques_n_m, interpolation) = (table.whole_n_m(), table.interpolation());
-        match &solution.motion {
-            Motion::Tip(motion) => {
-                let (followed, torque_n_m) = ((solution, motion), &torques_n_m[0]);
-                Ok(simulated(followed, torque_n_m, interpolation, memory_bytes)?)
-            }
-            Motion::Path(_) => {
-                let torques = torques_n_m.iter().map(|own| Torque::new(&time_s, own.clone()));
-                let torques = torques.collect::<Result<Vec<_>, _>>()?;
-                let start_rad = solution.joints.iter().map(|joint| joint.angle_rad[0]);
-                let play = Play {
-                    interpolation,
-                    feedback: &feedback(solution, &gains, &time_s, interpolation)?,
-                    start: Some(Start::Joints(&start_rad.collect::<Vec<_>>())),
-                    tolerance: Some(SETTLED),
-                    memory_bytes,
-                    cycle_turn_rad: is_cycle.then_some(0.0),
-                    ..Play::with(Input::Torques(&torques))
-                };
-                Ok(simulate(&solution.arm, plans, &play, &|_| {})?)
-            }
-        }
-    };
+    let player = Player { solution, plans, side: table.side(), gains: &gains, memory_bytes };
     // The tip alone is kept: the second play needs the memory of the first.
-    let tip = |table| played(table).map(|played| (played.change()[0], played.tip));
-    let [(of_table_m, of_table), (of_solved_m, of_solved)] =
-        [tip(table)?, tip(&TorqueTable::of(solution))?];
+    let tip = |table: &SetPoints, held: Held| {
+        let played = player.played(&table.played_grid(), table.played(held), held);
+        played.map(|played| (played.change()[0], played.tip))
+    };
+    let (of_table_m, of_table) = tip(table, held)?;
+    let (whole, as_solved) = solved(solution, table.side(), held)?;
+    let (of_solved_m, of_solved) = tip(&whole, as_solved)?;
     let change_m = of_table_m + of_solved_m;
     let tips = solved_and_wanted_m(solution);
-    let off = |k: usize| {
-        let axes = of_table.iter().zip(&of_solved).zip(&tips);
-        let axes = axes.map(|((table, solved), [tip, wanted])| {
-            table.displacement_m[k] - solved.displacement_m[k] + tip[k] - wanted[k]
-        });
+    let on_grid = |values: &[f64]| resampled(values, &solution.grid, &grid).into_owned();
+    let apart = of_table.iter().zip(&of_solved).zip(&tips).map(|((table, played), tips)| {
+        let (played, [tip, wanted]) = (on_grid(&played.displacement_m), tips.each_ref());
+        let (tip, wanted) = (on_grid(tip), on_grid(wanted));
+        let at = |k: usize| table.displacement_m[k] - played[k] + tip[k] - wanted[k];
+        (0..grid.len).map(at).collect::<Vec<f64>>()
+    });
+    let apart: Vec<Vec<f64>> = apart.collect();
+    let off = |k: usize| match &apart[..] {
         // The displacement of one link has a sign.
-        match axes.collect::<Vec<_>>()[..] {
-            [along] => along,
-            ref axes => axes.iter().map(|own| own * own).sum::<f64>().sqrt(),
-        }
+        [along] => along[k],
+        axes => axes.iter().map(|own| own[k] * own[k]).sum::<f64>().sqrt(),
     };
     let errors: Vec<f64> = (0..grid.len).map(off).collect();
     let tip = TipError::among(&errors, (&grid, solution.tip_travel_m()), 0.0);
     Ok(TableError { tip, change_m, feedback: gains })
+}
+
+/// The solved quantity that a table replaces; positions in place of velocities.
+fn solved(solution: &Solution, side: Side, held: Held) -> Result<(SetPoints, Held), Unknown> {
+    let (set_point, held) = match held {
+        Held::Effort => (SetPoint::Effort, Held::Effort),
+        Held::Position | Held::Velocity => (SetPoint::Position, Held::Position),
+    };
+    let whole = SetPoints::of(solution, &[set_point], side);
+    Ok((whole.map_err(|error| Unknown::Reason(error.to_string()))?, held))
+}
+
+/// Plays what drives hold.
+struct Player<'a> {
+    solution: &'a Solution,
+    plans: &'a [MeshPlan],
+    side: Side,
+    /// Gains of a feedback around the joints under efforts; empty without.
+    gains: &'a [[f64; 2]],
+    memory_bytes: Option<usize>,
+}
+
+impl Player<'_> {
+    /// The motion of link or arm while its drives hold `values`, one list for each joint.
+    fn played(
+        &self,
+        grid: &TimeGrid,
+        (mut values, interpolation): (Vec<Vec<f64>>, Interpolation),
+        held: Held,
+    ) -> Result<Played, Unknown> {
+        let starts_moving = self.solution.motion.ends() == Ends::Moving;
+        if starts_moving && (held != Held::Effort || self.side == Side::Motor) {
+            return Err(Unknown::Reason("the tip moves at the first row".to_owned()));
+        }
+        if held == Held::Effort {
+            return self.under_efforts(grid, &values, interpolation);
+        }
+        let (first, drives) = (self.first_positions(), self.drives());
+        for ((values, drive), first) in values.iter_mut().zip(&drives).zip(first) {
+            let start = if held == Held::Velocity { first } else { 0.0 };
+            for value in values {
+                *value = (*value + start) / drive.gear_ratio;
+            }
+        }
+        let time_s = times_s(grid);
+        let references = values.into_iter().map(|own| HubReference::new(&time_s, own, None));
+        let references = references.collect::<Result<Vec<_>, _>>()?;
+        let stiff = drives.iter().filter(|own| own.joint_stiffness_n_m_rad.is_infinite()).count();
+        let result = if stiff == drives.len() {
+            self.moved(&references, interpolation)
+        } else if stiff == 0 {
+            self.sprung(grid, (references, &drives), interpolation)
+        } else {
+            let reason = "joints with and without elastic transmissions are not played together";
+            return Err(Unknown::Reason(reason.to_owned()));
+        };
+        // A motion that jumps may not be played where a torque is.
+        result.map_err(|error| match error {
+            Unknown::Error(VerificationError::Simulation(error)) => {
+                Unknown::Reason(self.solution.arm.worded(&error.to_string()))
+            }
+            other => other,
+        })
+    }
+
+    /// Positions on the table's side at the start of the solution.
+    fn first_positions(&self) -> Vec<f64> {
+        let of_motor = |joint: &crate::inverse::JointMotion| {
+            joint.motor.as_ref().filter(|_| self.side == Side::Motor).map(|own| own.angle_rad[0])
+        };
+        let joints = self.solution.joints.iter();
+        joints.map(|own| of_motor(own).unwrap_or(own.angle_rad[0])).collect()
+    }
+
+    /// The drives between the table and the joints.
+    fn drives(&self) -> Vec<Drive> {
+        let of_link = |link: &Link| link.drive().copied().filter(|_| self.side == Side::Motor);
+        let links = self.solution.arm.links().iter().map(|own| of_link(&own.link));
+        let carriage = self.solution.arm.carriage().map(|_| None);
+        links.chain(carriage).map(Option::unwrap_or_default).collect()
+    }
+
+    /// Play under the efforts of joints or motors.
+    fn under_efforts(
+        &self,
+        grid: &TimeGrid,
+        values: &[Vec<f64>],
+        interpolation: Interpolation,
+    ) -> Result<Played, Unknown> {
+        let (solution, memory_bytes) = (self.solution, self.memory_bytes);
+        let of_motors = self.side == Side::Motor;
+        let is_elastic = |own: &Drive| own.joint_stiffness_n_m_rad.is_finite();
+        if self.drives().iter().any(is_elastic) {
+            return Err(Unknown::Reason("a transmission is elastic".to_owned()));
+        }
+        let arm = if of_motors {
+            let arm = solution.arm.with_rotors();
+            Cow::Owned(arm.map_err(|error| Unknown::Reason(error.to_string()))?)
+        } else {
+            Cow::Borrowed(&solution.arm)
+        };
+        let torques = values
+            .iter()
+            .zip(self.drives())
+            .map(|(own, drive)| Ok(torque_on(grid, own)?.scaled(drive.gear_ratio)));
+        let torques = torques.collect::<Result<Vec<Torque>, VerificationError>>()?;
+        match &solution.motion {
+            Motion::Tip(motion) if !of_motors => {
+                let followed = (solution, motion);
+                Ok(simulated(followed, &torques[0], interpolation, memory_bytes)?)
+            }
+            Motion::Tip(motion) => {
+                let play =
+                    under_torque((solution, motion), &torques[0], interpolation, memory_bytes);
+                let play = Play { is_under_voltage: true, ..play };
+                Ok(simulate(&arm, self.plans, &play, &|_| {})?)
+            }
+            Motion::Path(_) => {
+                let start_rad = solution.joints.iter().map(|joint| joint.angle_rad[0]);
+                let play = Play {
+                    interpolation,
+                    feedback: &feedback(solution, self.gains, grid, interpolation)?,
+                    start: Some(Start::Joints(&start_rad.collect::<Vec<_>>())),
+                    is_under_voltage: of_motors,
+                    ..self.of_arm(Input::Torques(&torques))
+                };
+                Ok(simulate(&arm, self.plans, &play, &|_| {})?)
+            }
+        }
+    }
+
+    /// Play with the joints moved as prescribed.
+    fn moved(
+        &self,
+        references: &[HubReference],
+        interpolation: Interpolation,
+    ) -> Result<Played, Unknown> {
+        let solution = self.solution;
+        let Motion::Tip(motion) = &solution.motion else {
+            let play = self.of_arm(Input::Angles(references));
+            let play = Play { interpolation, tolerance: Some(SETTLED_MOVED), ..play };
+            return Ok(simulate(&solution.arm, self.plans, &play, &|_| {})?);
+        };
+        let link = &solution.links[0];
+        let play = Play {
+            interpolation,
+            memory_bytes: self.memory_bytes,
+            is_large: solution.second_order.is_some(),
+            cycle_turn_rad: turn_of_cycle_rad(link.link(), motion),
+            start_angle_rad: wanted_tip(solution, motion).start_angle_rad(),
+            ..Play::turning(&references[0])
+        };
+        Ok(simulate_on(link.link(), link.mesh().clone(), &play)?)
+    }
+
+    /// Play with the motors' ends of elastic transmissions moved as prescribed: the springs act like a feedback.
+    fn sprung(
+        &self,
+        grid: &TimeGrid,
+        (references, drives): (Vec<HubReference>, &[Drive]),
+        interpolation: Interpolation,
+    ) -> Result<Played, Unknown> {
+        let solution = self.solution;
+        let torques = references.iter().map(|_| torque_on(grid, &vec![0.0; grid.len]));
+        let torques = torques.collect::<Result<Vec<Torque>, _>>()?;
+        let springs = references.into_iter().zip(drives).map(|(reference, drive)| {
+            Feedback::new(drive.joint_stiffness_n_m_rad, 0.0, reference)
+                .map_err(SimulationError::from)
+        });
+        let feedback = &springs.collect::<Result<Vec<_>, _>>()?;
+        if let Motion::Tip(motion) = &solution.motion {
+            let play =
+                under_torque((solution, motion), &torques[0], interpolation, self.memory_bytes);
+            let link = &solution.links[0];
+            let play = Play { feedback, ..play };
+            return Ok(simulate_on(link.link(), link.mesh().clone(), &play)?);
+        }
+        let start_rad: Vec<f64> = solution.joints.iter().map(|own| own.angle_rad[0]).collect();
+        let play = Play {
+            interpolation,
+            feedback,
+            start: Some(Start::Joints(&start_rad)),
+            tolerance: Some(SETTLED_MOVED),
+            ..self.of_arm(Input::Torques(&torques))
+        };
+        Ok(simulate(&solution.arm, self.plans, &play, &|_| {})?)
+    }
+
+    /// A play of an arm.
+    fn of_arm<'b>(&self, input: Input<'b>) -> Play<'b> {
+        let is_cycle = self.solution.motion.ends() == Ends::Periodic;
+        Play {
+            tolerance: Some(SETTLED),
+            memory_bytes: self.memory_bytes,
+            cycle_turn_rad: is_cycle.then_some(0.0),
+            ..Play::with(input)
+        }
+    }
+}
+
+fn times_s(grid: &TimeGrid) -> Vec<f64> {
+    (0..grid.len).map(|k| grid.time_s(k)).collect()
 }
 
 /// Each coordinate of the tip in m, as solved and as wanted: the displacement of a link's, x and y of an arm's.
@@ -121,16 +330,15 @@ fn solved_and_wanted_m(solution: &Solution) -> Vec<[Vec<f64>; 2]> {
 fn feedback(
     solution: &Solution,
     gains: &[[f64; 2]],
-    time_s: &[f64],
+    grid: &TimeGrid,
     interpolation: Interpolation,
 ) -> Result<Vec<Feedback>, VerificationError> {
-    let reference = |samples: &[f64]| match interpolation {
-        Interpolation::Zero => for_hold(samples, false),
-        _ => samples.to_vec(),
-    };
+    let time_s = times_s(grid);
+    let reference =
+        |samples: &[f64]| for_hold(&resampled(samples, &solution.grid, grid), interpolation, false);
     let joints = gains.iter().zip(&solution.joints).map(|([kp, kd], joint)| {
         let [angle, rate] = [&joint.angle_rad, &joint.rate_rad_s].map(|own| reference(own));
-        let reference = HubReference::new(time_s, angle, Some(rate))?;
+        let reference = HubReference::new(&time_s, angle, Some(rate))?;
         Ok(Feedback::new(*kp, *kd, reference).map_err(SimulationError::from)?)
     });
     joints.collect()

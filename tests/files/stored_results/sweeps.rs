@@ -92,5 +92,5 @@ fn what_is_no_sweep_or_several_is_refused() {
         assert_eq!(told, format!("x.csv:2: peak_torque_n_m = {shown}, {must}"));
     }
     let short = refused(&format!("{header}\n1,2\n"));
-    assert!(short.starts_with("x.csv:2: fields = 2, but must be 22"), "{short}");
+    assert!(short.starts_with("x.csv:2: fields = 2, but must be 24"), "{short}");
 }

@@ -10,7 +10,7 @@ use flexlink::link::{
 };
 use flexlink::modal::{held_frequencies, natural_frequencies};
 use flexlink::model::KeptModes;
-use flexlink::response::{ArmModes, ArmPose, PoseError, arm_modes, arm_responses};
+use flexlink::response::{ArmModes, ArmPose, PoseError, StateSpaceScope, arm_modes, arm_responses};
 use flexlink::robust::Hold;
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector4};
 use num_complex::Complex64;
@@ -119,6 +119,9 @@ fn they_respond_to_torques_as_a_double_pendulum_with_friction() {
     }
     let (arm, pose) = (arm(parts, DOWN), [-1.2, 0.5]);
     let [mass, stiffness] = double_pendulum(&STIFF, pose, DOWN);
+    let scope = StateSpaceScope::default();
+    let space = modes(&arm, &pose, 0).state_space(&scope).expect("a state space");
+    assert_eq!(space.a.nrows(), 4, "the swings alone");
     for hertz in [0.01, 0.7, 3.0] {
         let omega = TAU * hertz;
         let entry = |k: usize, damped: f64| {
@@ -129,6 +132,7 @@ fn they_respond_to_torques_as_a_double_pendulum_with_friction() {
             [entry(0, friction[0] + friction[1]), entry(1, -friction[1]), entry(2, friction[1])];
         let determinant = a * c - b * b;
         let found = arm_responses(&arm, &pose, &[hertz], TOLERANCE).expect("a response");
+        let in_space = space.response(omega).expect("a response");
         for (joint, [first, second]) in [[1.0, 0.0], [-1.0, 1.0]].into_iter().enumerate() {
             let turns =
                 [(c * first - b * second) / determinant, (a * second - b * first) / determinant];
@@ -139,7 +143,11 @@ fn they_respond_to_torques_as_a_double_pendulum_with_friction() {
                 exact.push(turns[0] * arm_m[0] + turns[1] * arm_m[1]);
             }
             let found: Vec<Complex64> = own.joints_rad.iter().chain(&own.tip_m).copied().collect();
-            for (found, exact) in found.iter().zip(&exact) {
+            let names = ["joint1", "joint2", "tip_x", "tip_y"];
+            for ((found, name), exact) in found.iter().zip(names).zip(&exact) {
+                assert!((found - exact).norm() < 1e-6 * exact.norm(), "{found} {exact}");
+                let row = space.outputs.iter().position(|own| own.name == name);
+                let found = in_space[(row.expect(name), joint)];
                 assert!((found - exact).norm() < 1e-6 * exact.norm(), "{found} {exact}");
             }
         }
@@ -618,9 +626,9 @@ fn shapes_are_normalised_by_the_masses_and_orthogonal() {
     for (gravity_m_s2, pose) in [([0.0; 2], [0.3, 1.2]), (DOWN, [-1.2, 0.4])] {
         let shapes = modes(&two.arm(gravity_m_s2), &pose, 3).shapes(nodes_m.to_vec());
         assert_eq!(shapes.free.len(), 5);
-        let product = |a: &[Vec<[f64; 2]>], b: &[Vec<[f64; 2]>]| -> f64 {
+        let product = |a: &[Vec<[f64; 3]>], b: &[Vec<[f64; 3]>]| -> f64 {
             let of_link = |link: usize| {
-                let dot = |(a, b): (&[f64; 2], &[f64; 2])| a[0] * b[0] + a[1] * b[1];
+                let dot = |(a, b): (&[f64; 3], &[f64; 3])| a[0] * b[0] + a[1] * b[1];
                 let dots: Vec<f64> = a[link].iter().zip(&b[link]).map(dot).collect();
                 let step = two.lengths_m[link] / POINTS as f64;
                 two.masses[link] * integral(step, &dots) + two.carried[link] * dots[POINTS]

@@ -14,6 +14,7 @@ mod modes;
 mod newmark;
 mod play_error;
 mod refusals;
+mod replay;
 mod robustness;
 mod round_trip;
 mod state;

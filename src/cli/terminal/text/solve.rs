@@ -8,7 +8,7 @@ use crate::link::Joint;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
 use crate::result::{JointMetrics, Metrics};
-use crate::text::{instant, plain, significant, visible};
+use crate::text::{after, before, instant, plain, significant, visible};
 
 use super::lines::{
     COLUMNS, LABEL, damping_line, four, gravity_line, in_columns, joint_line, labelled, link_line,
@@ -260,13 +260,11 @@ pub(super) fn timing_text(metrics: &JointMetrics) -> String {
 
 /// Times when the torque exceeds 2 % of its peak. A slow motion begins and ends with less.
 fn timing_line((lead_s, lag_s): (f64, f64)) -> String {
-    let [start, end] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
+    let (start, end) = (before(lead_s, 3), after(lag_s, 3));
     if lead_s >= 0.0 && lag_s >= 0.0 {
-        return format!("starts {start} s before the motion, ends {end} s after it (2 % level)");
+        return format!("starts {start} the motion, ends {end} it (2 % level)");
     }
-    let begins = if lead_s < 0.0 { "after" } else { "before" };
-    let ends = if lag_s < 0.0 { "before" } else { "after" };
-    format!("starts {start} s {begins} the motion begins, ends {end} s {ends} it ends")
+    format!("starts {start} the motion begins, ends {end} it ends")
 }
 
 /// One kind of error of a quantity, if measured.

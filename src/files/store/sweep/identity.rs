@@ -10,7 +10,7 @@ use super::super::json::{
 use super::super::summary::LinkRecord;
 use crate::csv::{Place, TableError, quoted};
 use crate::link::Link;
-use crate::result::Origin;
+use crate::result::{Limits, Origin};
 use crate::sweep::{Shard, SweepPlan, Variation, VariationError};
 
 /// Start of the first line of a shard or an unfinished sweep.
@@ -65,6 +65,9 @@ struct Record {
     /// The link of the first case, or the links of its arm.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     links: Vec<LinkRecord>,
+    /// The limits of the first case: of each joint, then of an arm's carriage; absent without limits.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    limits: Vec<Limits>,
     inputs: SweepInputs,
     shard: String,
     cases: usize,
@@ -97,6 +100,7 @@ impl SweepIdentity {
             command: COMMAND.to_owned(),
             title: title.to_owned(),
             links: Vec::new(),
+            limits: Vec::new(),
             inputs,
             shard: shard.to_string(),
             cases: plan.cases(),
@@ -105,11 +109,23 @@ impl SweepIdentity {
         Self { record: Box::new(record), plan, shard }
     }
 
-    /// The identity with the link of the first case, or the links of its arm.
+    /// The identity with the link of the first case, or the links of its arm, and the limits of its joints.
     #[must_use]
-    pub fn with_links<'a>(mut self, links: impl Iterator<Item = &'a Link>) -> Self {
+    pub fn with_links<'a>(
+        mut self,
+        links: impl Iterator<Item = &'a Link>,
+        limits: &[Limits],
+    ) -> Self {
         self.record.links = links.map(LinkRecord::of_parts).collect();
+        if limits.iter().any(|own| *own != Limits::default()) {
+            self.record.limits = limits.to_vec();
+        }
         self
+    }
+
+    /// The limits of the first case: of each joint, then of an arm's carriage; empty without limits.
+    pub(in crate::files::store) fn limits(&self) -> Vec<Limits> {
+        self.record.limits.clone()
     }
 
     /// The undamaged links of the first case.
@@ -284,13 +300,16 @@ mod tests {
 
     #[test]
     fn it_reads_back_from_its_own_line_and_from_its_file() {
+        let limits = [Limits::new([("torque", 2.5)]).unwrap()];
         let found = identity("link", &["--set", "title=\"a\u{85}b\""], "hub.inertia=1:2:11");
+        let found = found.with_links(std::iter::empty(), &limits);
         let line = found.line();
         assert!(!line.trim_end().contains(char::is_control), "{line}");
         assert_eq!(SweepIdentity::read_line(line.trim_end(), PLACE).unwrap(), found);
         assert_eq!((found.rows(), found.shard().number()), (2, 2));
         let table = Fingerprint { name: "s.csv".into(), sha256: "00ff".into() };
         let json = found.json(table);
+        assert!(json.contains("\"torque_n_m\": 2.5"), "{json}");
         assert!(is_record(json.as_bytes()) && json.starts_with("{\n  \"format\": 2,\n"), "{json}");
         let read = SweepIdentity::read(json.as_bytes(), PLACE).unwrap();
         assert_eq!(read.table().unwrap().sha256, "00ff");

@@ -144,10 +144,11 @@ pub(in crate::files::store) fn read_sweep(path: &Path) -> Result<StoredSweep, Ta
     check_cells(&table, varied, place)?;
     let record = read_record(path, file)?;
     let links = record.as_ref().map(SweepIdentity::links).unwrap_or_default();
+    let limits = record.as_ref().map(SweepIdentity::limits).unwrap_or_default();
     let origin = record.map(|record| record.origin());
     let units = table.names().take(varied).map(|name| unit_of_key(name).unwrap_or_default());
     let units = units.collect();
-    Ok(StoredSweep { name: file.name.clone(), origin, links, units, table })
+    Ok(StoredSweep { name: file.name.clone(), origin, links, limits, units, table })
 }
 
 /// Number of the columns of varied values.
@@ -185,10 +186,11 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         let hint = "an older flexlink wrote it: run the sweep again";
         return Err(error.with_hint(hint.to_owned()));
     }
-    match found.iter().position(|name| !is_known(known, name)) {
-        Some(stray) => Err(place.refuse_column(varied + stray, found[stray], must)),
-        None => Err(place.refuse(format!("columns from {FIRST} on"), quoted_all(found), must)),
+    if let Some(stray) = found.iter().position(|name| !is_known(known, name)) {
+        return Err(place.refuse_column(varied + stray, found[stray], must));
     }
+    let error = place.refuse(format!("columns from {FIRST} on"), quoted_all(found), must);
+    Err(error.with_hint("if an older flexlink wrote it, run the sweep again".to_owned()))
 }
 
 /// Number of joints with these columns.

@@ -144,10 +144,10 @@ mod tests {
             motion: MotionScale::default(),
         };
         let row = sweep_row(&case, &Err("damping.ratio = 2, too much".into()), SWEPT, &[]);
-        assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(21)));
+        assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(23)));
         let plan = SweepPlan::new(vec!["damping.ratio=2".parse().unwrap()]).unwrap();
         let header = sweep_header(&plan, SWEPT);
-        assert_eq!(header.matches(',').count(), 21);
+        assert_eq!(header.matches(',').count(), 23);
         assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
         assert!(
             header.ends_with(

@@ -1,0 +1,416 @@
+//! The options of a table of instruments, and the tables of a command that they may name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use clap::Args;
+
+use super::common::{option, seconds};
+use crate::cli::terminal::{Exit, Failure, console};
+use crate::csv::{
+    ColumnChoice, ColumnScale, Decimal, Delimiter, Reading, SampleRate, TableFormat, UnitName,
+};
+
+const READING: &str = "Reading a measured table";
+
+/// A table that a command reads. The first one of a command takes the options without a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableName {
+    Motion,
+    Torque,
+    Target,
+    Reference,
+    Measured,
+    Applied,
+}
+
+impl TableName {
+    const ALL: [Self; 6] =
+        [Self::Motion, Self::Torque, Self::Target, Self::Reference, Self::Measured, Self::Applied];
+
+    /// The refusal of an option for this table by a command that reads others.
+    fn unread(self, tables: &[Self]) -> Failure {
+        let words: Vec<&str> = tables.iter().map(|own| own.word()).collect();
+        let message = format!(
+            "{} is no table of this command, which reads {}",
+            self.word(),
+            words.join(", ")
+        );
+        let hint =
+            "a name before an option of reading is that of a table: --columns measured:tip=pos";
+        Failure::new(Exit::Usage, &message, Some(hint))
+    }
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Motion => "motion",
+            Self::Torque => "torque",
+            Self::Target => "target",
+            Self::Reference => "reference",
+            Self::Measured => "measured",
+            Self::Applied => "applied",
+        }
+    }
+}
+
+/// Options of reading that a hint or a refusal may name.
+const OPTIONS: [&str; 9] = [
+    "--columns",
+    "--time-unit",
+    "--sample-rate",
+    "--unit",
+    "--scale",
+    "--skip",
+    "--delimiter",
+    "--decimal",
+    "--resample",
+];
+
+impl TableName {
+    /// A text whose options of reading are for this table, unless they name another one.
+    fn named(self, text: &str) -> String {
+        OPTIONS.iter().fold(text.to_owned(), |text, option| {
+            let option = format!("{option} ");
+            let mut parts = text.split(&option);
+            let first = parts.next().unwrap_or_default().to_owned();
+            parts.fold(first, |text, part| match split_table(part) {
+                (None, _) => format!("{text}{option}{}:{part}", self.word()),
+                _ => text + &option + part,
+            })
+        })
+    }
+
+    /// The refusal of this table where it is not the first one of a command: options of hints name it.
+    pub(crate) fn refused(self, failure: Failure) -> Failure {
+        Failure { hint: failure.hint.map(|hint| self.named(&hint)), ..failure }
+    }
+
+    /// Prints deviations of this table where it is not the first one of a command.
+    pub(crate) fn tell(self, shown: &str, reading: &Reading) {
+        tell_with(shown, reading, |hint| self.named(hint));
+    }
+}
+
+/// A value for a table by its name, `measured:ms`, or without one for the first table.
+#[derive(Debug, Clone)]
+struct Named<T> {
+    table: Option<TableName>,
+    value: T,
+}
+
+/// The table before a colon, and the text of its value.
+fn split_table(text: &str) -> (Option<TableName>, &str) {
+    let named = text.split_once(':').and_then(|(word, value)| {
+        let table = TableName::ALL.into_iter().find(|table| table.word() == word.trim())?;
+        Some((Some(table), value.trim_start()))
+    });
+    named.unwrap_or((None, text))
+}
+
+impl<T: FromStr> FromStr for Named<T>
+where
+    T::Err: fmt::Display,
+{
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (table, value) = split_table(text);
+        let value = value.parse().map_err(|error: T::Err| error.to_string())?;
+        Ok(Self { table, value })
+    }
+}
+
+impl<T: fmt::Display> fmt::Display for Named<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(table) = self.table {
+            write!(f, "{}:", table.word())?;
+        }
+        write!(f, "{}", self.value)
+    }
+}
+
+/// Values divided by commas. The name of a table holds up to the next name.
+#[derive(Debug, Clone)]
+struct List<T>(Vec<Named<T>>);
+
+impl<T: FromStr> FromStr for List<T>
+where
+    T::Err: fmt::Display,
+{
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut of = None;
+        let each = text.split(',').map(|text| {
+            let Named { table, value } = text.parse()?;
+            of = table.or(of);
+            Ok(Named { table: of, value })
+        });
+        each.collect::<Result<_, String>>().map(Self)
+    }
+}
+
+/// How a command reads its tables. The file decides where an option is absent.
+///
+/// An option is for the first table of the command; `--columns measured:tip=pos` is for another one.
+#[derive(Debug, Default, Args)]
+pub struct ReadArgs {
+    /// Column of each quantity, by its number from 1 or by its heading: time=1,displacement=3 or displacement=pos;
+    /// for an arm's path x, y, angle1, angle2, … A table without headings needs the
+    /// time, too. This option and the next ones are for the first table of the command; with a name before them for
+    /// another one: measured:tip=pos. Names are motion, torque, target, reference, measured, applied.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]QUANTITY=COLUMN")]
+    columns: Vec<List<ColumnChoice>>,
+
+    /// Unit of the times, such as ms.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]UNIT")]
+    time_unit: Vec<Named<UnitName>>,
+
+    /// Samples in a second of a table without times, in Hz or with its unit, as in '1 kHz'.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]RATE", allow_hyphen_values = true)]
+    sample_rate: Vec<Named<SampleRate>>,
+
+    /// Unit of the motion or the torque, such as mm, deg or 'N cm'. For an arm's path, a length is the unit of x and
+    /// y, an angle that of all directions.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]UNIT")]
+    unit: Vec<Named<UnitName>>,
+
+    /// Multiply the numbers of a quantity's column, before their unit: counts to metres,
+    /// displacement=1.5e-6.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]QUANTITY=FACTOR")]
+    scale: Vec<List<ColumnScale>>,
+
+    /// Leave out the first N lines.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]N")]
+    skip: Vec<Named<usize>>,
+
+    /// Sign between the fields: `,`, `;`, tab or blanks.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]SIGN")]
+    delimiter: Vec<Named<Delimiter>>,
+
+    /// Sign before decimals: point or comma.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]SIGN")]
+    decimal: Vec<Named<Decimal>>,
+}
+
+/// Uniform times for the tables of a simulation.
+#[derive(Debug, Default, Args)]
+pub struct GapArgs {
+    /// Make the times of a table uniform by a cubic spline, at this step in s or with its unit. Rows without a value and
+    /// rows that repeat a time are left out and counted.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]STEP", allow_hyphen_values = true)]
+    resample: Vec<Named<Step>>,
+}
+
+/// A time as written, and in s.
+#[derive(Debug, Clone)]
+pub struct Step {
+    text: String,
+    pub step_s: f64,
+}
+
+impl FromStr for Step {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        seconds(text).map(|step_s| Self { text: text.to_owned(), step_s })
+    }
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+/// The tables of a simulation, the first of them the torque.
+#[derive(Debug, Default, Args)]
+pub(crate) struct PlayedTables {
+    #[command(flatten)]
+    read: ReadArgs,
+
+    #[command(flatten)]
+    gaps: GapArgs,
+}
+
+impl PlayedTables {
+    /// The options for a table.
+    pub(crate) fn format(&self, table: TableName) -> TableFormat {
+        let is_first = table == TableName::Torque;
+        let is_of = |own: Option<TableName>| own.map_or(is_first, |own| own == table);
+        let resample_s = last(&self.gaps.resample, is_of).map(|own| own.step_s);
+        TableFormat { resample_s, ..self.read.format(is_of) }
+    }
+
+    /// Refuses options for tables that a simulation does not read.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        const TABLES: [TableName; 4] =
+            [TableName::Torque, TableName::Target, TableName::Reference, TableName::Measured];
+        let mut of_gaps = self.gaps.resample.iter().filter_map(|own| own.table);
+        self.read.check(&TABLES)?;
+        of_gaps.find(|own| !TABLES.contains(own)).map_or(Ok(()), |own| Err(own.unread(&TABLES)))
+    }
+
+    /// Arguments for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let gaps = self.gaps.resample.iter().flat_map(|own| option("--resample", own));
+        self.read.arguments().into_iter().chain(gaps).collect()
+    }
+}
+
+/// The last value for a table.
+fn last<T: Clone>(values: &[Named<T>], is_of: impl Fn(Option<TableName>) -> bool) -> Option<T> {
+    values.iter().rfind(|own| is_of(own.table)).map(|own| own.value.clone())
+}
+
+/// The values of a list for a table.
+fn all<T: Clone>(lists: &[List<T>], is_of: impl Fn(Option<TableName>) -> bool) -> Vec<T> {
+    let each = lists.iter().flat_map(|List(values)| values);
+    each.filter(|own| is_of(own.table)).map(|own| own.value.clone()).collect()
+}
+
+impl ReadArgs {
+    /// The options for the first table of a command.
+    pub fn first(&self, table: TableName) -> TableFormat {
+        self.format(|own| own.is_none_or(|own| own == table))
+    }
+
+    /// The options for another table.
+    pub fn other(&self, table: TableName) -> TableFormat {
+        self.format(|own| own == Some(table))
+    }
+
+    fn format(&self, is_of: impl Fn(Option<TableName>) -> bool) -> TableFormat {
+        TableFormat {
+            skip: last(&self.skip, &is_of).unwrap_or_default(),
+            delimiter: last(&self.delimiter, &is_of),
+            decimal: last(&self.decimal, &is_of),
+            columns: all(&self.columns, &is_of),
+            scales: all(&self.scale, &is_of),
+            time_unit: last(&self.time_unit, &is_of),
+            unit: last(&self.unit, &is_of),
+            sample_rate: last(&self.sample_rate, &is_of),
+            ..TableFormat::default()
+        }
+    }
+
+    /// Refuses options for tables that a command does not read, and two values for one table. The first of `tables` takes
+    /// the options without a name.
+    pub(crate) fn check(&self, tables: &[TableName]) -> Result<(), Failure> {
+        let first = tables.first().copied();
+        let twice = [
+            ("--time-unit", self.time_unit.iter().map(|own| own.table).collect()),
+            ("--sample-rate", self.sample_rate.iter().map(|own| own.table).collect()),
+            ("--unit", self.unit.iter().map(|own| own.table).collect()),
+            ("--skip", self.skip.iter().map(|own| own.table).collect()),
+            ("--delimiter", self.delimiter.iter().map(|own| own.table).collect()),
+            ("--decimal", self.decimal.iter().map(|own| own.table).collect::<Vec<_>>()),
+        ];
+        for (option, tables) in twice {
+            let mut of: Vec<_> = tables.into_iter().map(|own| own.or(first)).collect();
+            let all = of.len();
+            of.sort_by_key(|own| own.map(TableName::word));
+            of.dedup();
+            if of.len() < all {
+                let message = format!("{option} has two values for one table, but must have one");
+                return Err(Failure::new(Exit::Usage, &message, None));
+            }
+        }
+        let Some(table) = self.tables().into_iter().find(|own| !tables.contains(own)) else {
+            return Ok(());
+        };
+        Err(table.unread(tables))
+    }
+
+    /// Tables that options name.
+    fn tables(&self) -> Vec<TableName> {
+        fn of<T>(values: &[Named<T>]) -> impl Iterator<Item = TableName> {
+            values.iter().filter_map(|own| own.table)
+        }
+        let columns = self.columns.iter().flat_map(|List(own)| of(own));
+        let scales = self.scale.iter().flat_map(|List(own)| of(own));
+        let units = of(&self.time_unit).chain(of(&self.unit)).chain(of(&self.sample_rate));
+        let signs = of(&self.skip).chain(of(&self.delimiter)).chain(of(&self.decimal));
+        columns.chain(scales).chain(units).chain(signs).collect()
+    }
+
+    /// Arguments for the first table of a command.
+    pub fn arguments_of_first(&self, table: TableName) -> Vec<String> {
+        let named = |text: &String| split_table(text).0.is_some_and(|own| own != table);
+        let arguments = self.arguments();
+        let pairs = arguments.chunks(2).filter(|pair| !pair.last().is_some_and(named));
+        pairs.flatten().cloned().collect()
+    }
+
+    /// Arguments for the record.
+    pub fn arguments(&self) -> Vec<String> {
+        fn told<'a, T: fmt::Display + 'a>(
+            name: &'static str,
+            values: impl IntoIterator<Item = &'a Named<T>>,
+        ) -> Vec<String> {
+            values.into_iter().flat_map(|own| option(name, own)).collect()
+        }
+        // Reading from line 1 is the default.
+        let skip = self.skip.iter().filter(|own| own.value != 0);
+        [
+            told("--columns", self.columns.iter().flat_map(|List(own)| own)),
+            told("--time-unit", &self.time_unit),
+            told("--sample-rate", &self.sample_rate),
+            told("--unit", &self.unit),
+            told("--scale", self.scale.iter().flat_map(|List(own)| own)),
+            told("--skip", skip),
+            told("--delimiter", &self.delimiter),
+            told("--decimal", &self.decimal),
+        ]
+        .concat()
+    }
+}
+
+/// Prints deviations of a table from the standard form, and its unread columns.
+pub(crate) fn tell(shown: &str, reading: &Reading) {
+    tell_with(shown, reading, str::to_owned);
+}
+
+fn tell_with(shown: &str, reading: &Reading, hinted: impl Fn(&str) -> String) {
+    if let Some(note) = reading.note() {
+        console::note(&format!("{shown}: {note}"));
+    }
+    for (remark, hint) in reading.remarks() {
+        console::remark(&format!("{shown}: {remark}"), &hinted(hint));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, clap::Parser)]
+    #[command(no_binary_name = true)]
+    struct Parsed {
+        #[command(flatten)]
+        read: ReadArgs,
+    }
+
+    fn parsed(words: &str) -> ReadArgs {
+        <Parsed as clap::Parser>::try_parse_from(words.split(' ')).unwrap().read
+    }
+
+    #[test]
+    fn options_go_to_their_tables_and_are_recorded() {
+        let read = parsed(
+            "--columns time=1,torque=2,measured:time=3,tip=4 --unit measured:mm --skip 2 --skip target:3",
+        );
+        let choices = |format: TableFormat| {
+            format.columns.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
+        };
+        let first = read.first(TableName::Torque);
+        assert_eq!((first.skip, first.unit.is_none()), (2, true));
+        assert_eq!(choices(first), "time=1,torque=2");
+        let measured = read.other(TableName::Measured);
+        assert_eq!((measured.skip, measured.unit.is_some()), (0, true));
+        assert_eq!(choices(measured), "time=3,tip=4");
+        assert_eq!(read.other(TableName::Target).skip, 3);
+        assert_eq!(parsed(&read.arguments().join(" ")).arguments(), read.arguments());
+        assert!(read.check(&[TableName::Torque, TableName::Measured]).is_err());
+    }
+}

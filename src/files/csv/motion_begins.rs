@@ -1,0 +1,95 @@
+//! The line of a table that says when its motion begins, and the shift between two tables of one motion.
+
+use std::fmt;
+
+use crate::numeric::rounded;
+use crate::text::plain;
+
+/// Beginning of the line.
+const BEGINS: &str = "motion begins at ";
+
+/// Before the time in the motion's file.
+const IN_FILE: &str = ", in its file at ";
+
+/// Decimals of the times.
+const DECIMALS: f64 = 1e12;
+
+/// When a motion begins in a table, and when in the motion's file: `# motion begins at 0.044 s, in its file at 0 s`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionBegins {
+    /// Time in s of the table.
+    pub time_s: f64,
+    /// Time in s of the motion's file, and of other tables without a shift.
+    pub in_file_s: f64,
+}
+
+impl fmt::Display for MotionBegins {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [time, in_file] = [self.time_s, self.in_file_s].map(|time_s| {
+            let shown = (time_s * DECIMALS).round() / DECIMALS;
+            plain(if shown.is_finite() { shown + 0.0 } else { time_s })
+        });
+        write!(f, "{BEGINS}{time} s{IN_FILE}{in_file} s")
+    }
+}
+
+impl MotionBegins {
+    /// Finds the line among the comments above a table. Without the time in its file, the motion begins there at 0 s.
+    pub fn find(bytes: &[u8]) -> Option<Self> {
+        let lines = bytes.split(|byte| *byte == b'\n').map(String::from_utf8_lossy);
+        let mut comments = lines.map_while(|line| {
+            let line = line.trim_start_matches('\u{feff}').trim().to_owned();
+            (line.is_empty() || line.starts_with('#')).then_some(line)
+        });
+        comments.find_map(|line| Self::of_line(line.strip_prefix('#')?.trim()))
+    }
+
+    fn of_line(line: &str) -> Option<Self> {
+        let rest = line.strip_prefix(BEGINS)?;
+        let (time, in_file) = rest.split_once(IN_FILE).unwrap_or((rest, "0 s"));
+        let seconds = |text: &str| -> Option<f64> {
+            text.strip_suffix(" s")?.trim().parse().ok().filter(|time: &f64| time.is_finite())
+        };
+        Some(Self { time_s: seconds(time)?, in_file_s: seconds(in_file)? })
+    }
+
+    /// Shift in s that takes the times of `other` to those of a table; tables without the line have the times of the
+    /// motion's file. `None` where both have these.
+    pub fn shift_s(own: Option<Self>, other: Option<Self>) -> Option<f64> {
+        let in_file_s = own.or(other)?.in_file_s;
+        let [own_s, other_s] = [own, other].map(|own| own.map_or(in_file_s, |own| own.time_s));
+        Some(rounded(own_s - other_s, 13)).filter(|shift_s| *shift_s != 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_is_read_as_it_is_written() {
+        let begins = MotionBegins { time_s: 0.306, in_file_s: -1.5 };
+        let table = format!("# {begins}\n# more\ntime_s,torque_n_m\n");
+        assert!(
+            table.starts_with("# motion begins at 0.306 s, in its file at -1.5 s\n"),
+            "{table}"
+        );
+        assert_eq!(MotionBegins::find(table.as_bytes()), Some(begins));
+        let by_hand = "\u{feff}\n#motion begins at 0.044 s\r\ntime_s\n";
+        let found = MotionBegins { time_s: 0.044, in_file_s: 0.0 };
+        assert_eq!(MotionBegins::find(by_hand.as_bytes()), Some(found));
+        for other in
+            ["time_s\n# motion begins at 1 s\n", "# motion begins at x s\n", "# motion\n", ""]
+        {
+            assert_eq!(MotionBegins::find(other.as_bytes()), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn two_tables_of_a_motion_are_shifted_by_their_difference() {
+        let at = |time_s| Some(MotionBegins { time_s, in_file_s: 2.0 });
+        let shift = MotionBegins::shift_s;
+        assert_eq!([shift(at(2.5), None), shift(None, at(2.5))], [Some(0.5), Some(-0.5)]);
+        assert_eq!([shift(at(2.5), at(2.5)), shift(None, None), shift(at(2.0), None)], [None; 3]);
+    }
+}

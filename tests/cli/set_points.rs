@@ -1,0 +1,155 @@
+//! `solve --write --with`: rows of a drive, in its units and counts, and `simulate` that takes a table back.
+
+use super::{Bench, LINK, MOTION, apart, column, number, stderr, stdout};
+
+/// A law of damping that has an equation in time: a simulation of the table finds the same.
+const DAMPED: &str = "--set damping={model='rayleigh',beta=1e-3}";
+
+/// A rotor of 2 kg cm² behind a gear of 100.
+const GEAR: &str = "--set drive={rotor_inertia=2e-4,gear_ratio=100.0}";
+
+/// The motion with its displacement.
+const WANTED: &str = "trajectories/sine_0.88s_displacement.csv";
+
+const ALL: &str = "position,velocity,acceleration,effort";
+
+#[test]
+fn columns_are_those_of_the_run_in_the_order_of_the_list() {
+    let bench = Bench::new();
+    bench.solve(&format!("{GEAR} -o out --write all.csv --with {ALL} --digits full"));
+    bench.solve(&format!("{GEAR} --write motor.csv --with effort,position --side motor"));
+    let text = bench.read("all.csv");
+    assert!(
+        text.starts_with("# motion begins at 0 s, in its file at 0 s\n# Bayo"),
+        "{}",
+        &text[..99]
+    );
+    let all = bench.table("all.csv");
+    let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+    let hub = ["hub_angle_rad", "hub_rate_rad_s", "hub_acceleration_rad_s2"];
+    assert_eq!(names, [&["time_s"], &hub[..], &["torque_n_m"]].concat());
+    for name in hub {
+        assert_eq!(column(&bench, "all.csv", name), column(&bench, "out/hub_angle.csv", name));
+    }
+    assert_eq!(all[4].1, column(&bench, "out/torque.csv", "torque_n_m"));
+    let names = bench.table("motor.csv").into_iter().map(|(name, _)| name);
+    let names: Vec<String> = names.collect();
+    assert_eq!(names, ["time_s", "motor_torque_n_m", "motor_angle_rad"]);
+    for name in &names[1..] {
+        let [own, of_run] = ["motor.csv", "out/motor.csv"].map(|file| column(&bench, file, name));
+        assert!(apart(&own, &of_run) < 1e-8, "{name}");
+    }
+}
+
+#[test]
+fn a_table_in_units_of_the_drive_is_played_as_that_in_si() {
+    let bench = Bench::new();
+    let units = ["--units", "effort=N cm,position=deg"];
+    let cycle = format!("{DAMPED} -q --with position,effort --cycle 2e-3");
+    bench.solve(&super::with(&format!("{cycle} --write drive.csv"), &units));
+    bench.solve(&format!("{cycle} --write si.csv"));
+    let names = bench.table("drive.csv").into_iter().map(|(name, _)| name).collect::<Vec<_>>();
+    assert_eq!(names, ["time_s", "hub_angle [deg]", "torque [N cm]"]);
+    let [degrees, radians] = [("drive.csv", "hub_angle [deg]"), ("si.csv", "hub_angle_rad")]
+        .map(|(file, name)| column(&bench, file, name));
+    assert!(apart(&degrees, &radians.iter().map(|x| x.to_degrees()).collect::<Vec<_>>()) < 1e-8);
+    for table in ["drive.csv", "si.csv"] {
+        bench.done(&format!("simulate {LINK} {table} {DAMPED} -q -o {table}.out"));
+    }
+    let tips = ["drive.csv.out/tip.csv", "si.csv.out/tip.csv"];
+    let tips = tips.map(|file| column(&bench, file, "tip_displacement_m"));
+    assert!(apart(&tips[0], &tips[1]) < 1e-8);
+}
+
+/// The claim for the effort is that of a simulation; the position held by a fine drive strays far less.
+#[test]
+fn a_shifted_table_is_taken_back_by_the_line_of_its_motion() {
+    let bench = Bench::new();
+    let table = "--write cut.csv --with position,effort --window 0.5% --start-at 0";
+    let output = bench.run(&format!("solve {LINK} {MOTION} {DAMPED} -o out {table}"));
+    let text = stdout(&output);
+    assert!(
+        text.contains("         where the drive holds the position:\n         tip off"),
+        "{text}"
+    );
+    assert!(
+        text.contains("         where the drive holds the effort:\n         tip off"),
+        "{text}"
+    );
+    let summary = bench.json("out/summary.json");
+    let of = |key: &str| number(&summary["table"], key);
+    let [position_m, effort_m] =
+        ["position", "effort"].map(|held| of(&format!("tip_errors/{held}/worst_m")));
+    assert!(position_m < 0.5 * effort_m, "{position_m} {effort_m}");
+    assert_eq!(of("tip_error/worst_m").to_bits(), position_m.to_bits());
+    let end_s = of("start_s")
+        + column(&bench, "out/tip.csv", "time_s").last().unwrap()
+        + of("moves_from_s");
+    // A motion's file and a solved tip have the times of the motion.
+    let play = format!("simulate {LINK} cut.csv {DAMPED}");
+    let told = bench.told(&format!("{play} --target out/tip.csv --until {end_s}"));
+    let shift = format!("times shifted by {} s, to the motion of cut.csv", of("moves_from_s"));
+    assert!(told.contains(&format!("note: out/tip.csv: {shift}")), "{told}");
+    let found_m = bench.number("simulated", "tip_error/worst_m");
+    assert!((found_m / effort_m - 1.0).abs() < 0.02, "{found_m} {effort_m}");
+    bench.done(&format!("{play} --target {WANTED} -q"));
+    assert!(bench.number("simulated", "tip_error/share") < 5e-3);
+    // The reference is longer than the table, and its times are not shifted.
+    let around = format!("--feedback 200,5 --reference out/hub_angle.csv --target {WANTED}");
+    let told = bench.told(&format!("{play} {around}"));
+    assert!(told.contains(&format!("note: out/hub_angle.csv: {shift}")), "{told}");
+    // It begins with the angle that the table cuts.
+    assert!(bench.number("simulated", "tip_error/share") < 2e-3);
+    // The table itself has its own times.
+    let told = bench.told(&format!("{play} --feedback 200,5 --reference cut.csv"));
+    assert!(!told.contains("shifted"), "{told}");
+}
+
+#[test]
+fn efforts_of_motors_turn_their_rotors_and_an_elastic_transmission_is_told() {
+    let bench = Bench::new();
+    let write = "--write cut.csv --with position,effort --window 0.5%";
+    let error_m = |drive: &str, side: &str, held: &str| {
+        let all = format!("solve {LINK} {MOTION} {DAMPED} {drive} {write} --side {side} --json");
+        let reply = super::json_of(&bench.run(&all));
+        let error = &reply["table"]["tip_errors"][held]["worst_m"];
+        error.as_f64()
+    };
+    // Through a stiff gear the cut of one side is about that of the other: the rotor's part of the torque rests, too.
+    for held in ["position", "effort"] {
+        let [joint_m, motor_m] = ["joint", "motor"].map(|side| error_m(GEAR, side, held).unwrap());
+        assert!((0.3..3.0).contains(&(joint_m / motor_m)), "{held}: {joint_m} {motor_m}");
+    }
+    let elastic = GEAR.replace('{', "{joint_stiffness=100.0,");
+    let spring_m = error_m(&elastic, "motor", "position").unwrap();
+    assert!((1e-6..1e-2).contains(&spring_m), "{spring_m}");
+    assert_eq!(error_m(&elastic, "motor", "effort"), None);
+    let output = bench.run(&format!("solve {LINK} {MOTION} {elastic} {write} --side motor"));
+    let not = "         not played where the drive holds the effort of its motor:\n";
+    assert!(stdout(&output).contains(not), "{}{}", stdout(&output), stderr(&output));
+}
+
+/// Straight lines and stairs leave their images, and the finer the counts the less the rounding.
+#[test]
+fn rounding_cycle_and_hold_cost_what_they_must() {
+    let bench = Bench::new();
+    let error = |options: &str| {
+        let all = format!(
+            "solve {LINK} {MOTION} {DAMPED} --write p.csv --with position --json {options}"
+        );
+        number(&super::json_of(&bench.run(&all)), "table/tip_error/share")
+    };
+    let counts = |bits: u32| {
+        format!("--hold zero --counts position={}/360 --units position=deg", 1_u64 << bits)
+    };
+    let [coarse, fine] = [12, 20].map(|bits| error(&counts(bits)));
+    assert!((1e-3..1e-2).contains(&coarse) && fine < 0.02 * coarse, "{coarse} {fine}");
+    let holds = ["--cycle 4e-3 --hold linear", "--cycle 4e-3 --hold zero"].map(error);
+    assert!(holds[0] < 1e-4 && holds[0] < holds[1] && holds[1] < 2e-3, "{holds:?}");
+    // A drive that holds the velocity draws lines of position.
+    let velocity =
+        format!("solve {LINK} {MOTION} {DAMPED} --write v.csv --with velocity --hold zero --json");
+    let velocity =
+        number(&super::json_of(&bench.run(&velocity)), "table/tip_errors/velocity/share");
+    assert!(velocity < 1e-4, "{velocity}");
+}
