@@ -35,6 +35,8 @@ PATTERNS = [
     "docs/*.svg",
     "specs/*.toml",
     "specs/arms/*.toml",
+    "specs/carriages/*.toml",
+    "measurements/*.toml",
     "trajectories/*.csv",
     "trajectories/arms/*.csv",
     "examples/*",

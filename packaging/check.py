@@ -4,8 +4,8 @@
     python3 packaging/check.py ARCHIVE [--dynamic]
 
 It must hold what it promises and solve an example; on Linux `man` must show every page, and the
-program run in an empty root, unless it is said to be --dynamic. Exit code 1 and a line that says what is wrong, at the first thing
-that is.
+program run in an empty root, unless it is said to be --dynamic. Exit code 1 and a line that says what
+is wrong, at the first thing that is.
 """
 
 import os

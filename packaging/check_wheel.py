@@ -3,8 +3,8 @@
 
     python3 packaging/check_wheel.py WHEEL
 
-pip may take wheels alone, so that nothing is compiled. The command and the module must solve one motion to the same
-torque. Prints the seconds of the installation.
+The wheel must hold the licence texts of its crates and of the font. pip may take wheels alone, so that nothing is
+compiled. The command and the module must solve one motion to the same torque. Prints the seconds of the installation.
 """
 
 import os
@@ -13,6 +13,7 @@ import sys
 import tempfile
 import time
 import venv
+import zipfile
 from pathlib import Path
 
 SOLVE = """
@@ -25,8 +26,22 @@ print(f"peak {peak:.4g} N m")
 """
 
 
+def holds_licences(wheel):
+    """The texts of flexlink, of linked crates, and of the letters in figures."""
+    with zipfile.ZipFile(wheel) as archive:
+        texts = {name.rsplit("/", 1)[-1]: name for name in archive.namelist() if ".dist-info/" in name}
+        for name in ("LICENSE-MIT", "LICENSE-APACHE", "LICENSES-THIRD-PARTY"):
+            if name not in texts:
+                sys.exit(f"{name} is not in {wheel.name}")
+        others = archive.read(texts["LICENSES-THIRD-PARTY"]).decode()
+    for word in ("\npyo3 ", "\nclap ", "DejaVu", "Permission is hereby granted"):
+        if word not in others:
+            sys.exit(f"LICENSES-THIRD-PARTY in {wheel.name} lacks {word.strip()!r}")
+
+
 def main(wheel):
     wheel = Path(wheel).resolve()
+    holds_licences(wheel)
     with tempfile.TemporaryDirectory() as folder:
         begun = time.monotonic()
         venv.create(Path(folder) / "venv", with_pip=True)

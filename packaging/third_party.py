@@ -1,13 +1,19 @@
-"""The licence texts of what is linked into the program: they ask to go where the program goes."""
+"""The licence texts of what is linked into the program: they ask to go where the program goes.
+
+    python3 packaging/third_party.py TARGET
+
+prints those of the Python module.
+"""
 
 import json
 import subprocess
+import sys
 from pathlib import Path
 
 HEAD = """\
-flexlink is under MIT or Apache-2.0, at your choice. Linked into this program are the crates below,
-each with its licence as it came, and the standard library of Rust (MIT or Apache-2.0, The Rust
-Project contributors).
+flexlink is under MIT or Apache-2.0, at your choice. Linked into it are the crates below, each with
+its licence as it came, and the standard library of Rust (MIT or Apache-2.0, The Rust Project
+contributors).
 """
 # On Linux alone the program is linked with it statically.
 LIBC = """\
@@ -18,9 +24,10 @@ it takes to link with another version of it.
 FONT_LICENCE = "src/page/font/LICENSE"
 
 
-def linked(root, target):
+def linked(root, target, manifest="Cargo.toml"):
     """Packages that are compiled for the target and end up in the program, by name and version."""
     command = ["cargo", "metadata", "--locked", "--format-version=1", "--filter-platform", target]
+    command += ["--manifest-path", manifest]
     answer = subprocess.run(command, cwd=root, stdout=subprocess.PIPE, check=True).stdout
     metadata = json.loads(answer)
     packages = {package["id"]: package for package in metadata["packages"]}
@@ -34,7 +41,9 @@ def linked(root, target):
             if normal and not macro and package["id"] not in found:
                 found[package["id"]] = package
                 waiting.append(package["id"])
-    return sorted(found.values(), key=lambda package: (package["name"], package["version"]))
+    # The module is linked with flexlink itself, which has no source elsewhere.
+    others = [package for package in found.values() if package["source"]]
+    return sorted(others, key=lambda package: (package["name"], package["version"]))
 
 
 def texts(package):
@@ -45,10 +54,11 @@ def texts(package):
     return [path.read_text("utf-8").strip() for path in files if path.is_file()]
 
 
-def licences(root, target):
+def licences(root, target, manifest="Cargo.toml"):
     """Every crate by name, then every text once, with the crates that it came with."""
-    packages = linked(root, target)
-    lines = [HEAD + (LIBC if "linux-gnu" in target else "")]
+    packages = linked(root, target, manifest)
+    is_static = manifest == "Cargo.toml" and "linux-gnu" in target
+    lines = [HEAD + (LIBC if is_static else "")]
     users = {}
     for package in packages:
         name = f"{package['name']} {package['version']}"
@@ -61,3 +71,10 @@ def licences(root, target):
     for text, names in users.items():
         lines += ["", "=" * 80, ", ".join(names), "=" * 80, "", text]
     return "\n".join(lines).encode() + b"\n"
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    root = Path(__file__).resolve().parent.parent
+    sys.stdout.buffer.write(licences(root, sys.argv[1], "python/Cargo.toml"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import tempfile
@@ -25,9 +26,10 @@ TABLES = (_flexlink.Learned, _flexlink.SetPoints)
 def report(result: Any, *beside: Any) -> _flexlink.Page:
     """The page of a result with all figures, warnings and numbers, as ``flexlink report``.
 
-    ``result`` is a result of :func:`solve`, :func:`simulate`, :func:`robust` or :func:`read`, or the path of a folder or of
-    the table of a sweep. Other runs of the same arm may stand ``beside`` it. The page has ``html``, ``figures`` as SVG by
-    name, ``png(name)`` and ``write(path)``, and a notebook shows it.
+    ``result`` is a result of :func:`solve`, :func:`simulate`, :func:`robust`, :func:`sweep` or :func:`read`, or the path of
+    a folder or of the table of a sweep. Other runs, or other studies of :func:`robust`, may stand ``beside`` it. The page
+    has ``html``, ``figures`` as SVG by name, ``png(name)`` and ``write(path)``, and a notebook shows it. Lines of limits
+    need the path of the table: the dictionary of a sweep has no limits.
 
     >>> import flexlink
     >>> strip = {"length": 1.5, "EI": 5.0, "mass_per_length": 0.8}
@@ -40,9 +42,10 @@ def report(result: Any, *beside: Any) -> _flexlink.Page:
     with _folder() as folder:
         paths = []
         for number, own in enumerate((result, *beside)):
-            if isinstance(own, (Mapping, *TABLES)):
-                raise TypeError(f"result = {type(own)}, but must be a run, or the path of a result")
-            name = type(own).__name__.lower()
+            if isinstance(own, TABLES):
+                must = "must be a run, a sweep, or the path of a result"
+                raise TypeError(f"result = {type(own)}, but {must}")
+            name = "sweep.csv" if isinstance(own, Mapping) else type(own).__name__.lower()
             paths.append(_placed(own, folder / (f"{name} {number + 1}" if beside else name), {}))
         return _flexlink.page_of_files(paths)
 
@@ -122,10 +125,20 @@ def _placed(value: Any, path: Path, options: dict[str, Any]) -> str:
 
 
 def _write(columns: Mapping[str, Any], path: Path) -> None:
-    """Writes columns as a CSV file with all digits."""
-    rows = zip(*(map(repr, map(float, column)) for column in columns.values()), strict=True)
-    text = "\n".join(map(",".join, [tuple(columns), *rows]))
-    path.write_text(text + "\n", encoding="utf-8")
+    """Writes columns as a CSV file with all digits, those of a sweep as in its table."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(columns)
+        table.writerows(map(_field, row) for row in zip(*columns.values(), strict=True))
+
+
+def _field(value: Any) -> str:
+    """A field of a table: a number, a word, the kinds of warnings, or nothing."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, list):
+        return ";".join(value)
+    return "" if value is None or value != value else repr(float(value))
 
 
 def _name(other: Any) -> str:

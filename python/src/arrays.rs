@@ -7,11 +7,14 @@ use numpy::{PyArrayDescrMethods as _, PyUntypedArray, PyUntypedArrayMethods as _
 use pyo3::PyClass;
 use pyo3::pyclass::boolean_struct::True;
 
+use flexlink::beam::NodalHistories;
 use flexlink::cli::terminal::memory;
+use flexlink::link::ParameterError;
 use flexlink::numeric::TimeGrid;
 use flexlink::text::excerpt;
 
 use crate::prelude::*;
+use crate::threads::until_pressed;
 
 /// The numbers of a column: an array of one dimension, or its equivalent for NumPy. Converts whole numbers and other
 /// widths; refuses complex numbers, texts and objects.
@@ -131,6 +134,19 @@ pub(crate) fn checked(nodes: Nodes, all: usize, samples: usize) -> Raises<Vec<us
     let bytes = samples.saturating_mul(nodes.len()).saturating_mul(3 * size_of::<f64>());
     memory::check("the motion of the nodes", bytes, None, "fewer nodes, or a larger every")?;
     Ok(nodes)
+}
+
+/// Histories of nodes, all by default, of every `every`-th sample of a grid, until Ctrl-C.
+pub(crate) fn nodal<'py>(
+    py: Python<'py>,
+    (grid, all): (&TimeGrid, usize),
+    (nodes, every): (Nodes, Every),
+    find: impl FnOnce(&[usize]) -> Result<NodalHistories, ParameterError> + Send,
+) -> Table<'py> {
+    let samples = grid.thinned(every.0).len();
+    let nodes = checked(nodes, all, samples)?;
+    let histories = until_pressed(py, || Ok(find(&nodes)?))?;
+    Ok(rows(py, &histories.samples, samples)?)
 }
 
 impl<'py> FromPyObject<'_, 'py> for Numbers {

@@ -4,6 +4,7 @@ use pyo3::sync::PyOnceLock;
 
 use flexlink::cli::learn::{LearnOptions, Step, Trial};
 use flexlink::cli::options::common::option;
+use flexlink::cli::options::reading::TableName;
 use flexlink::cli::problem::Problem;
 use flexlink::cli::terminal::{StageBar, console, memory};
 use flexlink::csv::{InputFile, Joints};
@@ -14,13 +15,14 @@ use flexlink::store::{Fingerprint, LearnInputs};
 
 use crate::arrays::times;
 use crate::fit::take_fit;
+use crate::joints::{Driven, Of};
 use crate::keywords::{OF_LINK, OF_TIP, of_writing, parsed, take_arguments, take_uncertain};
 use crate::link::{Link, Source};
 use crate::messages::of_reading;
 use crate::motion::Call;
 use crate::prelude::*;
-use crate::properties::Value::{Computed, Notices, Stored};
-use crate::properties::{Properties, Value, slices};
+use crate::properties::Value::{Computed, Notices};
+use crate::properties::{Named, Properties};
 use crate::samples::table_of;
 use crate::threads::{until_pressed, without_python};
 
@@ -39,8 +41,8 @@ const STEP: [&str; 11] = [
     "decimal",
 ];
 
-/// The next table of the joints, with the error to expect. Arrays have a row for each of ``time``, those of an arm a column for each
-/// joint. Units are SI.
+/// The next table of the joints, with the error to expect. Arrays have a row for each of ``time``, those of an arm a column
+/// for each joint; those that ``play`` does not name are None. Units are SI.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Learned {
     source: Source,
@@ -74,10 +76,10 @@ struct Tables {
 /// Computes what the joints play next so that the tip follows its motion more closely, as ``flexlink learn``: what was
 /// played, plus the inverse of the error of the measured tip.
 ///
-/// The motion is passed as to :func:`solve`, but the keywords of reading, from ``columns`` to ``decimal``, are for
-/// ``measured``: a recording with rest before and after the motion, as a file or as a dictionary of its columns ``time``
-/// and ``tip``, of an arm ``x`` and ``y``. ``applied`` was played for it: an earlier result of this function, a file, or a
-/// dictionary with the columns of such a file; by default the answer of :func:`solve`. ``play`` is ``"effort"`` or
+/// The motion is passed as to :func:`solve`. ``measured`` is a recording with rest before and after the motion, as a file or
+/// as a dictionary of its columns ``time`` and ``tip``, of an arm ``x`` and ``y``. The keywords of reading, from ``columns``
+/// to ``decimal``, name its table: ``columns="measured:tip=pos"``. ``applied`` was played for it: an earlier result of this
+/// function, a file, or a dictionary with the columns of such a file; by default the answer of :func:`solve`. ``play`` is ``"effort"`` or
 /// ``"position"``. ``uncertain`` and ``fit`` are those of :func:`robust`: they set the band of frequencies in which the
 /// error shrinks. ``shift`` is the time of the recording at the motion's time 0. Ctrl-C ends it.
 ///
@@ -139,7 +141,14 @@ fn options_of(source: &Source, arguments: &[String]) -> Fails<LearnOptions> {
 impl Learned {
     fn of(link: &Link, call: Call<'_>, own: Vec<String>, tables: &Tables) -> Fails<Self> {
         let source = &link.source;
-        let arguments = [call.unread()?, own].concat();
+        let of_call = options_of(source, &own)?.motion.read;
+        let given = of_call.options_of(TableName::Motion, TableName::Motion);
+        if let (Some(option), Some(_)) = (given.first(), call.motion) {
+            let message = format!("{option} stands beside a Motion, but must be passed to it");
+            let hint = "name the table that it is for, as in columns=\"measured:tip=pos\"";
+            return Err(usage(&message, Some(hint)));
+        }
+        let arguments = [call.arguments.clone(), own].concat();
         let options = options_of(source, &arguments)?;
         let (wanted, mut reading) = call.wanted(link, &options.motion)?;
         let of_link = (&source.file, source.overrides(&[])?);
@@ -191,23 +200,6 @@ impl Learned {
         let inputs = LearnInputs { arguments, ..self.inputs.clone() };
         Ok(self.step.record(&inputs, self.of_solution.clone()))
     }
-
-    /// A column of what each joint plays, the carriage last, if the drives hold a position or not.
-    fn columns(&self, is_position: bool, number: usize) -> impl Iterator<Item = &Vec<f64>> {
-        let is_held = (self.step.hold == Hold::Position) == is_position;
-        let joints = self.step.next.joints.iter().filter(move |_| is_held);
-        joints.filter_map(move |columns| columns.get(number))
-    }
-
-    /// Columns of the joints of the links.
-    fn joints(&self, is_position: bool, number: usize) -> Vec<&[f64]> {
-        slices(self.columns(is_position, number).take(self.kind.links))
-    }
-
-    /// The column of the carriage, the joint of one link or the last of an arm.
-    fn carriage(&self, is_position: bool, number: usize) -> Vec<&[f64]> {
-        slices(self.columns(is_position, number).last().into_iter())
-    }
 }
 
 impl Tables {
@@ -234,15 +226,21 @@ impl Tables {
     }
 }
 
+impl Driven for Learned {
+    fn joints(&self, of: Of) -> Vec<Option<&[f64]>> {
+        let column = match (self.step.hold == Hold::Position, of) {
+            (false, Of::Effort) | (true, Of::Position) => Some(0),
+            (true, Of::Rate) => Some(1),
+            _ => None,
+        };
+        let joints = self.step.next.joints.iter();
+        joints.map(|columns| Some(columns.get(column?)?.as_slice())).collect()
+    }
+}
+
 impl Properties for Learned {
-    const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
+    const PROPERTIES: Named<Self> = &[
         ("time", Computed(|own| times(&own.step.next.grid))),
-        ("torque", Stored(|own| own.joints(false, 0))),
-        ("force", Stored(|own| own.carriage(false, 0))),
-        ("hub_angle joint_angle", Stored(|own| own.joints(true, 0))),
-        ("carriage", Stored(|own| own.carriage(true, 0))),
-        ("hub_rate joint_rate", Stored(|own| own.joints(true, 1))),
-        ("carriage_velocity", Stored(|own| own.carriage(true, 1))),
         ("warnings", Notices(Self::notices)),
         ("remarks", Notices(|own| own.reading.clone())),
     ];

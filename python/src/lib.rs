@@ -7,7 +7,7 @@
 //! | `threads` | threads that survive a fork; Ctrl-C |
 //! | `arrays` | columns of numbers in, views of samples out |
 //! | `arrow` | columns as a stream for other libraries of tables |
-//! | `properties` | properties of results by name, for one link and for arms |
+//! | `properties`, `joints` | properties of results by name, for one link and for arms |
 //! | `keywords` | keywords as the command's options, dictionaries as TOML |
 //! | `link` | a link or an arm, and its file |
 //! | `samples` | wanted motions from arrays and files |
@@ -32,6 +32,7 @@ mod arrow;
 mod compare;
 mod fit;
 mod frequency;
+mod joints;
 mod keywords;
 mod learn;
 mod link;
@@ -72,7 +73,8 @@ mod _flexlink {
     use flexlink::cli::terminal::allocator::keep_freed_memory;
     use pyo3::prelude::*;
 
-    use super::properties;
+    use super::joints::{Driven as _, Moving as _};
+    use super::properties::add;
 
     #[pymodule_export]
     use super::arrow::arrow_stream;
@@ -117,19 +119,20 @@ mod _flexlink {
     #[allow(non_upper_case_globals, reason = "Python's name of it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
-    /// Adds the properties of results. Keeps freed memory as the command does, unless the environment says otherwise: a solution takes and frees some
-    /// megabytes, and twice as long where the system hands out fresh pages each time.
+    /// Adds the properties of results. Keeps freed memory as the command does, unless the environment says otherwise: a
+    /// solution takes and frees some megabytes, and twice as long where the system hands out fresh pages each time.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         let settings = ["MALLOC_TRIM_THRESHOLD_", "MALLOC_MMAP_THRESHOLD_", "GLIBC_TUNABLES"];
         if settings.iter().all(|name| env::var_os(name).is_none()) {
             keep_freed_memory();
         }
-        properties::add::<Solution>(module.py())?;
-        properties::add::<Simulation>(module.py())?;
-        properties::add::<Learned>(module.py())?;
-        properties::add::<SetPoints>(module.py())?;
-        properties::add::<Run>(module.py())
+        let py = module.py();
+        add(py, &[Solution::JOINTS, Solution::SOLVED, Solution::MOTION])?;
+        add(py, &[Simulation::JOINTS, Simulation::ACCELERATIONS, Simulation::MOTION])?;
+        add(py, &[Run::JOINTS, Run::ACCELERATIONS, Run::SOLVED, Run::MOTION])?;
+        add(py, &[SetPoints::JOINTS, SetPoints::ACCELERATIONS])?;
+        add(py, &[Learned::JOINTS])
     }
 
     /// Runs the command with `sys.argv`; returns its exit code.

@@ -4,7 +4,7 @@ use flexlink::cli::options::inputs::specification;
 use flexlink::cli::terminal::console;
 use flexlink::csv::{InputFile, Joints};
 use flexlink::link::Link as OneLink;
-use flexlink::response::StateSpaceScope;
+use flexlink::response::{ModeChoice, StateSpaceScope};
 use flexlink::spec::{LinkDocument, Override, Specification, changed_text};
 
 use crate::arrays::OneOrEach;
@@ -222,9 +222,10 @@ impl Link {
         Ok(self.first().rigid_inertia_kg_m2())
     }
 
-    /// Small motions in state space, for the design of controllers: the first modes with free joints, from the torque of each
-    /// joint, or the force on a carriage, to joints, tip and strain at the root.
+    /// Small motions in state space, for the design of controllers: modes with free joints, from the torque of each joint, or
+    /// the force on a carriage, to joints, tip and strain at the root.
     ///
+    /// ``modes`` is a number of modes beyond the rigid link, or the swings of an arm, or a list of the numbers of single modes.
     /// ``at`` has the directions of the links in rad, with their weight; an arm needs them. The displacements at
     /// ``stations``, distances in m from the joint of each link, are further outputs. With ``residual`` D has the static
     /// response of the modes left out.
@@ -241,15 +242,20 @@ impl Link {
     /// (['mode_0', 'mode_1', 'mode_2'], 'tip_displacement')
     /// >>> bool(abs(C[0, 0] * B[3, 0] * link.rigid_inertia - 1) < 1e-9)  # slowly it turns as if it were rigid
     /// True
-    #[pyo3(signature = (modes=5, *, at=None, stations=Vec::new(), residual=false))]
+    #[pyo3(signature = (modes=OneOrEach::One(5), *, at=None, stations=Vec::new(), residual=false))]
+    #[pyo3(text_signature = "($self, modes=5, *, at=None, stations=(), residual=False)")]
     fn state_space(
         &self,
         py: Python<'_>,
-        modes: usize,
+        modes: OneOrEach<usize>,
         at: Option<OneOrEach<f64>>,
         stations: Vec<f64>,
         residual: bool,
     ) -> Raises<StateSpace> {
+        let modes = match modes {
+            OneOrEach::One(count) => ModeChoice::First(count),
+            OneOrEach::Each(numbers) => ModeChoice::Numbers(numbers),
+        };
         let scope = StateSpaceScope { modes, stations_m: stations, has_residual: residual };
         StateSpace::of(py, &self.specification, at, &scope)
     }

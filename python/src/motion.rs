@@ -1,8 +1,9 @@
 //! A call's motion of a tip with its options, and motions that are read once.
 
 use flexlink::cli::options::inputs::{MotionArgs, Wanted};
+use flexlink::cli::options::reading::TableName;
 use flexlink::cli::solve::run::SolveOptions;
-use flexlink::csv::SampleRows;
+use flexlink::csv::{Reading, SampleRows};
 use flexlink::link::{Gravity, Link as OneLink};
 use flexlink::motion::{Motion as WantedMotion, Periods, TipMotion, TipTarget};
 
@@ -40,7 +41,7 @@ impl<'a> Call<'a> {
         let own = keywords::arguments(keywords, &[])?;
         let beside = match column {
             Some(name) => Some(name),
-            None => of_motion(&keywords::solve_options(&own)?).into_iter().next(),
+            None => of_motion(&keywords::solve_options(&own)?),
         };
         if let Some(name) = beside {
             let name = name.split('=').next().unwrap_or_default();
@@ -51,14 +52,6 @@ impl<'a> Call<'a> {
         Ok(Self { samples: Arc::clone(&motion.samples), arguments, motion: Some(motion) })
     }
 
-    /// The options without those of reading the file of a [`Motion`], which has been read.
-    pub(crate) fn unread(&self) -> Fails<Vec<String>> {
-        let Some(motion) = self.motion else { return Ok(self.arguments.clone()) };
-        let options = keywords::solve_options(&motion.arguments)?;
-        let own = self.arguments[motion.arguments.len()..].to_vec();
-        Ok([options.motion.resample.arguments(), options.motion.scale.arguments(), own].concat())
-    }
-
     /// The wanted motion of a link or an arm, and remarks on its file.
     pub(crate) fn wanted(&self, link: &Link, options: &MotionArgs) -> Fails<(Wanted, Vec<Notice>)> {
         let Some(motion) = self.motion else {
@@ -66,15 +59,17 @@ impl<'a> Call<'a> {
         };
         motion.refuse_other(link.first())?;
         let rows = SampleRows::of_arrays(MOTION);
-        let wanted = Wanted { motion: WantedMotion::Tip(motion.tip.clone()), rows };
+        let reading = Reading::default();
+        let wanted = Wanted { motion: WantedMotion::Tip(motion.tip.clone()), rows, reading };
         Ok((wanted, motion.reading.clone()))
     }
 }
 
-/// The options that define the motion, as arguments.
-fn of_motion(options: &SolveOptions) -> Vec<String> {
-    let MotionArgs { resample, scale, read } = &options.motion;
-    [resample.arguments(), scale.arguments(), read.arguments()].concat()
+/// The first option that defines the motion.
+fn of_motion(SolveOptions { motion, .. }: &SolveOptions) -> Option<String> {
+    let read = motion.read.options_of(TableName::Motion, TableName::Motion);
+    let others = [motion.samples.arguments(), motion.scale.arguments()].concat();
+    read.into_iter().map(str::to_owned).chain(others).next()
 }
 
 /// The motion of a tip, read once and solved for many links: :func:`solve` and :func:`sweep` take it in place of time and
@@ -115,19 +110,19 @@ impl Motion {
         let arm = link.map(|link| &link.specification.arm);
         let link = link.map(|link| link.one().ok_or_else(several)).transpose()?;
         let options = keywords::solve_options(&arguments)?;
-        let own = of_motion(&options);
+        let own = options.motion.arguments();
         let is_other = |option: &String| option.starts_with("--") && !own.contains(option);
         if let Some(option) = options.arguments().into_iter().find(is_other) {
             let message = format!("{option} is passed to a Motion, but must be passed to solve");
             return Err(usage(&message, None));
         }
         let table = samples.table(&[link.map_or(1.0, OneLink::length_m)], &options.motion)?;
-        let (is_of_angle, reading) = (table.is_of_angle(), samples.remarks(table.reading()));
+        let is_of_angle = table.is_of_angle();
         if link.is_none() && is_of_angle {
             return Err(usage(&"link is missing: angles are arcs of its length", None));
         }
-        let wanted =
-            options.motion.scale.scaled(&options.motion.resample.motion_in(table, arm)?)?;
+        let wanted = options.motion.scale.scaled(&options.motion.motion_in(table, arm)?)?;
+        let reading = samples.remarks(&wanted.reading);
         let Some(tip) = wanted.motion.into_tip() else { return Err(usage(&"no motion", None)) };
         let arcs_of = link.filter(|_| is_of_angle);
         let arcs_of = arcs_of.map(|link| (link.output_m(), link.gravity().copied()));

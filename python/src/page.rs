@@ -39,7 +39,8 @@ impl Page {
     /// The figures as SVG, by name.
     #[getter]
     fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.figures.drawn.iter().map(|own| (own.id.to_string(), own.svg_file())).into_py_dict(py)
+        let files = self.figures.drawn.iter();
+        files.map(|own| (own.id.to_string(), self.figures.svg_file(own))).into_py_dict(py)
     }
 
     /// A figure as PNG, by name.
@@ -51,7 +52,7 @@ impl Page {
         };
         let refused =
             |why| Failure::new(Exit::CannotWrite, &format!("{figure}: not drawn: {why}"), None);
-        let png = py.detach(|| own.png_file().map_err(refused))?;
+        let png = py.detach(|| self.figures.png_file(own).map_err(refused))?;
         Ok(PyBytes::new(py, &png))
     }
 

@@ -137,6 +137,8 @@ names! {
     Any motor_power,
     /// Current of each motor in A, in the form of ``motor_torque``; None without any drive.torque_constant.
     Any motor_current,
+    /// Acceleration of each motor in rad/s², in the form of ``motor_torque``.
+    Any motor_acceleration,
     /// Voltage of each motor in V, in the form of ``motor_torque``; None without any drive.torque_constant and
     /// drive.resistance.
     Any motor_voltage,
@@ -165,8 +167,9 @@ names! {
     Any warnings,
     /// Remarks on values that are possible but rare, often a slip of units.
     Any remarks,
-    // Methods, and properties with code of their own.
+    // Methods, and properties with code of their own. Solutions have the deflections of arms, too.
     One displacements,
+    One deflections,
     Several positions,
     One written_nodes,
     One length,
@@ -205,10 +208,13 @@ pub(crate) fn slices<'a>(histories: impl Iterator<Item = &'a Vec<f64>>) -> Vec<&
     histories.map(Vec::as_slice).collect()
 }
 
+/// Properties by name; blanks separate the names for hubs, arms and carriages.
+pub(crate) type Named<T> = &'static [(&'static str, Value<T>)];
+
 /// A result of one link or an arm.
 pub(crate) trait Properties: PyClass<Frozen = True> + Sync + Sized + 'static {
-    /// Its properties by name; blanks separate the names for hubs, arms and carriages.
-    const PROPERTIES: &'static [(&'static str, Value<Self>)];
+    /// Properties of its class alone.
+    const PROPERTIES: Named<Self>;
 
     /// Its joints.
     fn kind(&self) -> Joints;
@@ -219,10 +225,10 @@ pub(crate) trait Properties: PyClass<Frozen = True> + Sync + Sized + 'static {
     }
 }
 
-/// Adds the properties to the class.
-pub(crate) fn add<T: Properties>(py: Python<'_>) -> PyResult<()> {
+/// Adds its properties to the class, and `shared` ones.
+pub(crate) fn add<T: Properties>(py: Python<'_>, shared: &[Named<T>]) -> PyResult<()> {
     let (class, property) = (py.get_type::<T>(), py.import("builtins")?.getattr("property")?);
-    let properties = T::PROPERTIES.iter();
+    let properties = shared.iter().copied().chain([T::PROPERTIES]).flatten();
     let named =
         properties.flat_map(|(names, value)| names.split(' ').map(move |name| (name, value)));
     for (name, value) in named {

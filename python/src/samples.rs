@@ -101,13 +101,13 @@ impl Samples {
     /// The wanted motion of an arm, and remarks on its file.
     pub(crate) fn wanted(&self, arm: &Arm, options: &MotionArgs) -> Fails<(Wanted, Vec<Notice>)> {
         let table = self.table(&arm.lengths_m(), options)?;
-        let reading = self.remarks(table.reading());
-        let wanted = options.resample.motion_in(table, Some(arm))?;
-        Ok((options.scale.scaled(&wanted)?, reading))
+        let wanted = options.scale.scaled(&options.motion_in(table, Some(arm))?)?;
+        let reading = self.remarks(&wanted.reading);
+        Ok((wanted, reading))
     }
 
     pub(crate) fn remarks(&self, reading: &Reading) -> Vec<Notice> {
-        self.file().map_or_else(Vec::new, |file| of_reading(&file.shown, reading))
+        of_reading(self.file().map_or(MOTION, |file| &file.shown), reading)
     }
 
     pub(crate) fn file(&self) -> Option<&InputFile> {
@@ -156,15 +156,15 @@ fn angle(link: usize) -> String {
 /// Refuses options for reading files if the samples are arrays in SI.
 fn refuse_reading(options: &MotionArgs) -> Fails<()> {
     let refused = |option: &str, hint| {
-        let option = option.split('=').next().unwrap_or_default();
         Err(usage(&format!("{option} is for files, and the motion is arrays"), Some(hint)))
     };
     if options.format().drop_outliers {
         let hint = "the refusal of a bad sample gives its number and what its neighbours lead to";
         return refused("drop_outliers", hint);
     }
-    let arguments = options.read.arguments_of_first(TableName::Motion);
-    arguments.first().map_or(Ok(()), |option| refused(option, "arrays are in SI; multiply them"))
+    let given = options.read.options_of(TableName::Motion, TableName::Motion);
+    let of_file = given.into_iter().find(|option| *option != "--resample");
+    of_file.map_or(Ok(()), |option| refused(option, "arrays are in SI; multiply them"))
 }
 
 /// A table in a call: its file, or a file of the columns in a dictionary, with their names. True for a file.

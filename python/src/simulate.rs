@@ -21,6 +21,7 @@ use crate::prelude::*;
 use crate::properties::Links;
 use crate::samples::path_of;
 use crate::simulation::Simulation;
+use crate::table::SetPoints;
 use crate::threads::until_pressed;
 
 /// The keywords of one link and of arms, with blanks between.
@@ -40,7 +41,8 @@ const HALF_A_FEEDBACK: &str =
 /// Plays torques, or a motion of the joints, on a link or an arm at rest, as ``flexlink simulate``: independent of
 /// ``solve``.
 ///
-/// Arrays over ``time`` in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known; or
+/// ``time`` may be a table of a solution, ``solution.table(…)``: its efforts are played at the times of the motion's file, in
+/// which the target is, too. Else it has the times of arrays in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known; or
 /// ``voltage`` in V of the motor of ``[drive]``, which turns its rotor and the link.
 /// Other keywords: ``hold``, the torque between its samples, ``"cubic"``, ``"linear"`` or ``"zero"``; ``until`` in s;
 /// ``periodic``. ``feedback`` is a pair of gains in N m/rad and N m s/rad, around ``reference`` in rad with
@@ -78,7 +80,24 @@ pub(crate) fn simulate(
 ) -> PyResult<Simulation> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     let specification = link.specification.clone();
-    let moves = moves(link, &column("time", time)?, &keywords)?;
+    let time_s = match time.cast::<SetPoints>() {
+        Ok(table) => {
+            let is_input = |name: &&str| keywords.contains(name).unwrap_or_default();
+            let inputs = ["torque", "force", "hub_angle", "carriage", "voltage"];
+            if !inputs.iter().any(is_input) {
+                for name in ["torque", "force"] {
+                    if let Ok(effort) = table.getattr(name)
+                        && !effort.is_none()
+                    {
+                        keywords.set_item(name, effort)?;
+                    }
+                }
+            }
+            table.get().times_of_motion()
+        }
+        Err(_) => column("time", time)?,
+    };
+    let moves = moves(link, &time_s, &keywords)?;
     let simulation = until_pressed(py, || Simulation::of(specification, moves))?;
     warn(py, &simulation.warnings)?;
     Ok(simulation)

@@ -6,19 +6,18 @@ use flexlink::cli::options::moves::{Moves, under_voltages};
 use flexlink::cli::simulate::refusal;
 use flexlink::cli::terminal::{console, memory};
 use flexlink::csv::Joints;
-use flexlink::motion::TipMotionHistories;
-use flexlink::response::{BentPlay, JointMotion, Played, simulate};
+use flexlink::response::{BentPlay, Played, simulate};
 use flexlink::result::FollowedTarget;
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayedRun, RunInputs, Simulated, Summary, state_json};
 
-use crate::arrays::{Every, Nodes, checked, pairs, rows, times};
+use crate::arrays::{Every, Nodes, checked, nodal, pairs, times};
+use crate::joints::{Driven, Moving, Of, axes};
 use crate::keywords::{of_writing, solve_options};
 use crate::prelude::*;
 use crate::properties::Value::{Computed, Entry, Notices, Stored};
-use crate::properties::{Properties, Value, check, slices};
-use crate::solution::no_link;
-use crate::threads::{apart, until_pressed, without_python};
+use crate::properties::{Named, Properties, check, slices};
+use crate::threads::{apart, without_python};
 
 /// Keywords of `write`.
 const WRITING: [&str; 4] = ["nodes", "stations", "every", "digits"];
@@ -74,21 +73,6 @@ impl Simulation {
         self.with(|run| run.write(inputs, &outputs, stage)).map(drop)
     }
 
-    /// A history of the joint of each link.
-    fn joints(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.played().joints.iter().map(of).take(self.links()))
-    }
-
-    /// A history of the carriage, the joint of one link or the last of an arm.
-    fn carriage(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.played().joints.last().map(of).into_iter())
-    }
-
-    /// A history of the tip's axes, of one link along its arc.
-    fn tip(&self, of: fn(&TipMotionHistories) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.played().tip.iter().map(of))
-    }
-
     /// The play of links that are elasticas.
     fn bent(&self) -> impl Iterator<Item = &BentPlay> {
         self.played().bent().into_iter()
@@ -104,29 +88,38 @@ impl Simulation {
     }
 }
 
+impl Driven for Simulation {
+    fn joints(&self, of: Of) -> Vec<Option<&[f64]>> {
+        let joints = self.played().joints.iter();
+        let history = joints.map(|joint| match of {
+            Of::Effort => Some(&*joint.torque_n_m),
+            Of::Position => Some(&*joint.angle_rad),
+            Of::Rate => Some(&*joint.rate_rad_s),
+            Of::Acceleration => Some(&*joint.acceleration_rad_s2),
+            _ => None,
+        });
+        history.collect()
+    }
+}
+
+impl Moving for Simulation {
+    fn tip(&self, order: usize) -> Vec<&[f64]> {
+        axes(&self.played().tip, order)
+    }
+
+    fn nodes_m(&self) -> Vec<&[f64]> {
+        self.played().nodes_m()
+    }
+}
+
 impl Properties for Simulation {
-    const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
+    const PROPERTIES: Named<Self> = &[
         ("time", Computed(|own| times(&own.played().grid))),
-        ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
-        ("force", Stored(|own| own.carriage(|joint| &joint.torque_n_m))),
-        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
-        ("carriage", Stored(|own| own.carriage(|joint| &joint.angle_rad))),
-        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
-        ("carriage_velocity", Stored(|own| own.carriage(|joint| &joint.rate_rad_s))),
-        (
-            "hub_acceleration joint_acceleration",
-            Stored(|own| own.joints(|joint| &joint.acceleration_rad_s2)),
-        ),
-        ("carriage_acceleration", Stored(|own| own.carriage(|joint| &joint.acceleration_rad_s2))),
         ("chord_angle", Stored(|own| slices(own.bent().flat_map(|bent| &bent.chords_rad)))),
-        ("tip_displacement tip", Stored(|own| own.tip(|axis| &axis.displacement_m))),
-        ("tip_velocity", Stored(|own| own.tip(|axis| &axis.velocity_m_s))),
-        ("tip_acceleration", Stored(|own| own.tip(|axis| &axis.acceleration_m_s2))),
         ("energy", Computed(Self::energy_j)),
         ("work", Stored(|own| slices(own.bent().map(|bent| &bent.work_j)))),
         ("dissipated", Stored(|own| slices(own.bent().map(|bent| &bent.lost_j)))),
         ("holding_torque", Computed(Self::holding_n_m)),
-        ("nodes", Stored(|own| vec![own.played().mesh().nodes_m()])),
         ("results", Entry),
         ("tip_error", Entry),
         ("warnings", Notices(|own| own.warnings.clone())),
@@ -143,11 +136,9 @@ impl Simulation {
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn displacements<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
         check("displacements", self.kind())?;
-        let samples = self.played().grid.thinned(every.0).len();
-        let nodes = checked(nodes, self.played().mesh().nodes_m().len(), samples)?;
-        let histories =
-            until_pressed(py, || Ok(self.played().displacements_m(&nodes, every.0)?))?;
-        Ok(rows(py, &histories.samples, samples)?)
+        let played = self.played();
+        let of = (&played.grid, played.mesh().nodes_m().len());
+        nodal(py, of, (nodes, every), |nodes| played.displacements_m(nodes, every.0))
     }
 
     /// x and y in m of the nodes of an arm's ``link``, numbered from 0, of every ``every``-th sample: an array over time, node
@@ -162,10 +153,8 @@ impl Simulation {
     ) -> PairsOverTime<'py> {
         check("positions", self.kind())?;
         let samples = self.played().grid.thinned(every.0).len();
-        let all = self.played().nodes_m();
-        let own = all.get(link).ok_or_else(|| no_link(link, self.links()))?;
-        let mut chosen = vec![Vec::new(); all.len()];
-        chosen[link] = checked(nodes, own.len(), samples)?;
+        let mut chosen = vec![Vec::new(); self.links()];
+        chosen[link] = checked(nodes, self.nodes_of_link(link)?.len(), samples)?;
         let places_m = py.detach(|| Ok::<_, Failure>(self.played().places_m(&chosen, every.0)?))?;
         Ok(pairs(py, &places_m[link].concat(), samples)?)
     }
@@ -173,9 +162,7 @@ impl Simulation {
     /// Distances in m of the nodes of a ``link``, numbered from 0, from its joint.
     #[pyo3(signature = (link=0))]
     fn nodes_of<'py>(&self, py: Python<'py>, link: usize) -> Raises<Bound<'py, PyArray1<f64>>> {
-        let all = self.played().nodes_m();
-        let nodes_m = all.get(link).ok_or_else(|| no_link(link, self.links()))?;
-        Ok(PyArray1::from_slice(py, nodes_m))
+        Ok(PyArray1::from_slice(py, self.nodes_of_link(link)?))
     }
 
     /// Errors of the motion. For one link those of mesh and modes: of the tip over its travel, and of the hub angle over its

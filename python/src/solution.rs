@@ -7,18 +7,18 @@ use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::terminal::memory;
 use flexlink::csv::Joints;
-use flexlink::inverse::{JointMotion, LinkShape, MotorHistories, Resources, Solution as Inverse};
+use flexlink::inverse::{JointMotion, LinkShape, Resources, Solution as Inverse};
 use flexlink::link::ParameterError;
-use flexlink::motion::TipMotionHistories;
 use flexlink::store::{OutputFolder, RunInputs, Summary};
 
-use crate::arrays::{Every, Nodes, checked, pairs, rows, times};
+use crate::arrays::{Every, Nodes, checked, nodal, pairs, rows, times};
+use crate::joints::{Driven, Moving, Of, axes, no_link};
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, PickledSource, Source};
 use crate::motion::Call;
 use crate::prelude::*;
 use crate::properties::Value::{Computed, Entry, Notices, OfJoints, Places, Stored};
-use crate::properties::{Properties, Value, check, slices};
+use crate::properties::{Named, Properties, check, slices};
 use crate::samples::{Pickled, Samples, meshed};
 use crate::table::SetPoints;
 use crate::threads::{apart, until_pressed, without_python};
@@ -28,8 +28,9 @@ const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits
 
 /// Torques and motion of the joints that move the tip as wanted, of one link or of an arm of several. Arrays have a row for
 /// each of ``time``, those of an arm a column for each joint, the inner one first. Arrays of one link are views that cannot
-/// be written to. ``torque``, ``joint_angle``, ``joint_rate``, ``motor_torque``, ``root_moment``, ``moments``, ``deflections``,
-/// ``results`` and ``errors`` are there for any number of links. Units are SI.
+/// be written to. ``root_moment``, ``motor_torque``, ``moments``, ``deflections``, ``results`` and ``errors`` are there for any
+/// number of links, ``torque``, ``joint_angle`` and ``joint_rate`` for hubs and arms, ``force``, ``carriage`` and
+/// ``carriage_velocity`` for links and arms on a carriage. Units are SI.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Solution {
     source: Source,
@@ -85,30 +86,9 @@ impl Solution {
         &self.solved.solution
     }
 
-    /// A history of the joint of each link.
-    fn joints(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.inverse().joints.iter().map(of).take(self.links()))
-    }
-
-    /// A history of the carriage, the joint of one link or the last of an arm.
-    fn carriage(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.inverse().joints.last().map(of).into_iter())
-    }
-
-    /// A history of the motor of each joint that has one.
-    fn motors(&self, of: fn(&MotorHistories) -> Option<&Vec<f64>>) -> Vec<Option<&[f64]>> {
-        let joints = self.inverse().joints.iter().take(self.links());
-        joints.map(|joint| joint.motor.as_ref().and_then(of).map(Vec::as_slice)).collect()
-    }
-
     /// A history of each link's shape.
     fn shapes(&self, of: fn(&LinkShape) -> &Vec<f64>) -> Vec<&[f64]> {
         slices(self.inverse().shapes().map(of))
-    }
-
-    /// A history of the tip's axes, of one link along its arc.
-    fn tip(&self, of: fn(&TipMotionHistories) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.inverse().tip.iter().map(of))
     }
 
     /// Remarks on the motion's file and on unusual input.
@@ -174,17 +154,31 @@ impl Solution {
         find: impl FnOnce(&Inverse, &[usize]) -> Result<NodalHistories, ParameterError> + Send,
     ) -> Table<'py> {
         let solution = self.inverse();
-        let samples = solution.grid.thinned(every.0).len();
-        let nodes = checked(nodes, solution.nodes_m()[0].len(), samples)?;
-        let histories = until_pressed(py, || Ok(find(solution, &nodes)?))?;
-        Ok(rows(py, &histories.samples, samples)?)
+        let of = (&solution.grid, solution.nodes_m()[0].len());
+        nodal(py, of, (nodes, every), |nodes| find(solution, nodes))
+    }
+
+    /// A quantity at nodes of a link: of an arm's from its shape, of a single one computed.
+    fn of_link<'py>(
+        &self,
+        py: Python<'py>,
+        (link, nodes, every): (usize, Nodes, Every),
+        of_arm: fn(&LinkShape) -> &Vec<Vec<f64>>,
+        find: impl FnOnce(&Inverse, &[usize]) -> Result<NodalHistories, ParameterError> + Send,
+    ) -> Table<'py> {
+        if self.links() == 1 && link == 0 {
+            return self.nodal(py, (nodes, every), find);
+        }
+        let at = (link, nodes, every);
+        let (histories, samples) = self.of_shape(at, |own, node| vec![&of_arm(own)[node]])?;
+        Ok(rows(py, &histories, samples)?)
     }
 
     /// A stored quantity at nodes of an arm's link, in pieces of several for each node.
     fn of_shape(
         &self,
         (link, nodes, every): (usize, Nodes, Every),
-        of: fn(&LinkShape, usize) -> Vec<&Vec<f64>>,
+        of: impl Fn(&LinkShape, usize) -> Vec<&Vec<f64>>,
     ) -> Raises<(Vec<Vec<f64>>, usize)> {
         let solution = self.inverse();
         let shape = solution.shapes().nth(link).ok_or_else(|| no_link(link, self.links()))?;
@@ -201,21 +195,44 @@ impl Solution {
     }
 }
 
+impl Driven for Solution {
+    fn joints(&self, of: Of) -> Vec<Option<&[f64]>> {
+        fn history(joint: &JointMotion, of: Of) -> Option<&Vec<f64>> {
+            let motor = joint.motor.as_ref();
+            match of {
+                Of::Effort => Some(&joint.torque_n_m),
+                Of::Position => Some(&joint.angle_rad),
+                Of::Rate => Some(&joint.rate_rad_s),
+                Of::Acceleration => joint.acceleration_rad_s2.as_ref(),
+                Of::RigidEffort => Some(&joint.rigid_torque_n_m),
+                Of::RigidPosition => Some(&joint.rigid_angle_rad),
+                Of::MotorEffort => Some(&motor?.torque_n_m),
+                Of::MotorPosition => Some(&motor?.angle_rad),
+                Of::MotorRate => Some(&motor?.rate_rad_s),
+                Of::MotorAcceleration => None,
+                Of::MotorPower => Some(&motor?.power_w),
+                Of::MotorCurrent => motor?.current_a.as_ref(),
+                Of::MotorVoltage => motor?.voltage_v.as_ref(),
+            }
+        }
+        let joints = self.inverse().joints.iter();
+        joints.map(|joint| history(joint, of).map(Vec::as_slice)).collect()
+    }
+}
+
+impl Moving for Solution {
+    fn tip(&self, order: usize) -> Vec<&[f64]> {
+        axes(&self.inverse().tip, order)
+    }
+
+    fn nodes_m(&self) -> Vec<&[f64]> {
+        self.inverse().nodes_m()
+    }
+}
+
 impl Properties for Solution {
-    const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
+    const PROPERTIES: Named<Self> = &[
         ("time", Computed(|own| times(&own.inverse().grid))),
-        ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
-        ("force", Stored(|own| own.carriage(|joint| &joint.torque_n_m))),
-        ("rigid_torque", Stored(|own| own.joints(|joint| &joint.rigid_torque_n_m))),
-        ("rigid_force", Stored(|own| own.carriage(|joint| &joint.rigid_torque_n_m))),
-        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
-        ("carriage", Stored(|own| own.carriage(|joint| &joint.angle_rad))),
-        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
-        ("carriage_velocity", Stored(|own| own.carriage(|joint| &joint.rate_rad_s))),
-        (
-            "rigid_hub_angle rigid_carriage rigid_joint_angle",
-            Stored(|own| own.joints(|joint| &joint.rigid_angle_rad)),
-        ),
         (
             "root_moment",
             Stored(|own| slices(own.inverse().links.iter().map(|link| &link.root_moment_n_m))),
@@ -231,17 +248,9 @@ impl Properties for Solution {
         ("chord_rate", Stored(|own| own.shapes(|shape| &shape.chord[1]))),
         ("chord_acceleration", Stored(|own| own.shapes(|shape| &shape.chord[2]))),
         ("chord_length", Stored(|own| own.shapes(|shape| &shape.chord_length_m))),
-        ("tip_displacement tip", Stored(|own| own.tip(|axis| &axis.displacement_m))),
-        ("tip_velocity", Stored(|own| own.tip(|axis| &axis.velocity_m_s))),
-        ("tip_acceleration", Stored(|own| own.tip(|axis| &axis.acceleration_m_s2))),
         ("tip_deflection", Computed(|own| own.inverse().tip_deflection_m(0))),
-        ("motor_torque", OfJoints(|own| own.motors(|motor| Some(&motor.torque_n_m)))),
-        ("motor_angle", OfJoints(|own| own.motors(|motor| Some(&motor.angle_rad)))),
-        ("motor_rate", OfJoints(|own| own.motors(|motor| Some(&motor.rate_rad_s)))),
-        ("motor_power", OfJoints(|own| own.motors(|motor| Some(&motor.power_w)))),
-        ("motor_current", OfJoints(|own| own.motors(|motor| motor.current_a.as_ref()))),
-        ("motor_voltage", OfJoints(|own| own.motors(|motor| motor.voltage_v.as_ref()))),
-        ("nodes", Stored(|own| vec![own.inverse().links[0].mesh().nodes_m()])),
+        ("motor_angle", OfJoints(|own| own.of_motors(Of::MotorPosition))),
+        ("motor_power", OfJoints(|own| own.of_motors(Of::MotorPower))),
         ("errors", Entry),
         ("results", Entry),
         ("warnings", Notices(|own| own.warnings.clone())),
@@ -309,28 +318,24 @@ impl Solution {
         every: Every,
         link: usize,
     ) -> Table<'py> {
-        if self.links() > 1 || link > 0 {
-            let at = (link, nodes, every);
-            let (histories, samples) =
-                self.of_shape(at, |own, node| vec![&own.deflections_m[node]])?;
-            return Ok(rows(py, &histories, samples)?);
-        }
-        self.nodal(py, (nodes, every), |own, nodes| {
-            Ok(own.deflections(nodes, every.0)?.histories())
-        })
+        self.of_link(
+            py,
+            (link, nodes, every),
+            |own| &own.deflections_m,
+            |own, nodes| Ok(own.deflections(nodes, every.0)?.histories()),
+        )
     }
 
     /// Bending moments at nodes in N m, of an arm at those of a ``link``, in the form of ``displacements``. ``link`` counts
     /// from 0.
     #[pyo3(signature = (nodes=None, every=Every::ALL, *, link=0))]
     fn moments<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every, link: usize) -> Table<'py> {
-        if self.links() > 1 || link > 0 {
-            let at = (link, nodes, every);
-            let (histories, samples) =
-                self.of_shape(at, |own, node| vec![&own.moments_n_m[node]])?;
-            return Ok(rows(py, &histories, samples)?);
-        }
-        self.nodal(py, (nodes, every), |own, nodes| Ok(own.moments(nodes, every.0)?.histories()))
+        self.of_link(
+            py,
+            (link, nodes, every),
+            |own| &own.moments_n_m,
+            |own, nodes| Ok(own.moments(nodes, every.0)?.histories()),
+        )
     }
 
     /// x and y in m of the nodes of an arm's ``link``, numbered from 0, of every ``every``-th sample: an array over time, node
@@ -353,17 +358,15 @@ impl Solution {
     /// Distances in m of the nodes of a ``link``, numbered from 0, from its joint.
     #[pyo3(signature = (link=0))]
     fn nodes_of<'py>(&self, py: Python<'py>, link: usize) -> Raises<Bound<'py, PyArray1<f64>>> {
-        let all = self.inverse().nodes_m();
-        let nodes_m = all.get(link).ok_or_else(|| no_link(link, self.links()))?;
-        Ok(PyArray1::from_slice(py, nodes_m))
+        Ok(PyArray1::from_slice(py, self.nodes_of_link(link)?))
     }
 
     /// The torque at the hub, those of the joints, or the force on the carriage, as a controller plays it: the table of
     /// ``flexlink solve --write``. ``window`` cuts the rows before and after which the torque stays below this share of its
     /// peak, ``0.02`` or ``"2%"``; ``hold="zero"`` corrects the values for a converter that holds each until the next;
     /// ``start_at`` is the time of the first row. ``quantities=["position", "effort"]`` makes set-points of drives, with
-    /// ``cycle``, ``side``, ``units`` and ``counts`` as the command has them. A table that is cut, held or of set-points is
-    /// played, and has the ``tip_error``.
+    /// ``cycle``, ``side``, ``units``, ``counts``, ``joint_names`` and ``form`` as the command has them. A table that is cut,
+    /// held, on a cycle or in counts is played, and has the ``tip_error``.
     #[pyo3(signature = (**keywords))]
     fn table(&self, py: Python<'_>, keywords: Option<Keywords<'_>>) -> PyResult<SetPoints> {
         let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
@@ -426,11 +429,6 @@ impl Solution {
     }
 }
 
-/// Refusal of the number of a link.
-pub(crate) fn no_link(link: usize, links: usize) -> Failure {
-    usage(&format!("link = {link}, but must be below {links}, the number of links"), None)
-}
-
 /// Computes the torque at the hub of a link, or the torques of an arm's joints, for a motion of the tip.
 ///
 /// The motion is arrays over ``time`` in s, evenly spaced: ``acceleration`` in m/s², ``displacement`` along the arc in
@@ -438,9 +436,9 @@ pub(crate) fn no_link(link: usize, links: usize) -> Failure {
 /// counts as a file that holds its numbers: few decimals limit its accuracy. Other keywords are the options of
 /// ``flexlink solve``: ``resample``, ``noise``, ``lowpass``, ``periodic``, ``moving_ends``,
 /// ``scale_distance``, ``scale_duration``, ``moments``, ``stations``; for a file ``columns``, ``time_unit``,
-/// ``sample_rate``, ``unit``, ``scale``, ``skip``, ``delimiter``, ``decimal``, ``drop_outliers``. An arm takes ``x`` and ``y`` of its tip in m, or the directions ``angle1``,
-/// ``angle2``, … of its links in rad. A link on a carriage takes the motion of a link except ``angle``; its solution has
-/// ``force`` and ``carriage``.
+/// ``sample_rate``, ``unit``, ``scale``, ``skip``, ``delimiter``, ``decimal``, ``drop_outliers``. An arm takes ``x`` and ``y``
+/// of its tip in m, or the directions ``angle1``, ``angle2``, … of its links in rad. A link on a carriage takes the motion of
+/// a link except ``angle``; its solution has ``force`` and ``carriage``.
 ///
 /// >>> import flexlink, numpy
 /// >>> link = flexlink.Link(

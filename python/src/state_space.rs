@@ -29,15 +29,16 @@ macro_rules! array {
 }
 
 impl StateSpace {
-    /// The first modes of a link or an arm.
+    /// Modes of a link or an arm.
     pub(crate) fn of(
         py: Python<'_>,
         specification: &Specification,
         at: Option<OneOrEach<f64>>,
         scope: &StateSpaceScope,
     ) -> Raises<Self> {
-        if !(1..=1000).contains(&scope.modes) {
-            let message = format!("modes = {}, but must be 1 to 1000", scope.modes);
+        let count = scope.modes.count();
+        if !(1..=1000).contains(&count) {
+            let message = format!("modes = {count}, but must be 1 to 1000");
             return Err(usage(&message, None).into());
         }
         let at = at.map(OneOrEach::list);
@@ -81,6 +82,25 @@ impl StateSpace {
     #[getter]
     fn D<'py>(&self, py: Python<'py>) -> Table<'py> {
         Ok(array!(py, self.space.d)?)
+    }
+
+    /// M of the modal equations ``mass @ q'' + damping @ q' + stiffness @ q = B[n:] @ u``: the unit matrix, for coordinates q in
+    /// kg^0.5 m.
+    #[getter]
+    fn mass<'py>(&self, py: Python<'py>) -> Table<'py> {
+        Ok(array!(py, self.space.second_order()[0])?)
+    }
+
+    /// K of the modal equations, in 1/s².
+    #[getter]
+    fn stiffness<'py>(&self, py: Python<'py>) -> Table<'py> {
+        Ok(array!(py, self.space.second_order()[1])?)
+    }
+
+    /// C of the modal equations, in 1/s.
+    #[getter]
+    fn damping<'py>(&self, py: Python<'py>) -> Table<'py> {
+        Ok(array!(py, self.space.second_order()[2])?)
     }
 
     /// Names of the states: coordinates of the modes, then their rates.

@@ -1,16 +1,17 @@
 //! Results read back.
 
+use std::slice;
+
 use flexlink::compare::{self, Cell};
 use flexlink::csv::{InputFile, Joints};
-use flexlink::motion::TipMotionHistories;
-use flexlink::result::{StoredArc, StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredRun};
+use flexlink::result::{StoredArc, StoredJoint, StoredLink, StoredNodes, StoredRun};
 use flexlink::store::{SUMMARY, StoredResult, read_result};
 
 use crate::arrays::{pairs, rows};
+use crate::joints::{Driven, Moving, Of, axes, no_link};
 use crate::prelude::*;
-use crate::properties::Value::{Entry, Notices, OfJoints, Stored};
-use crate::properties::{Properties, Value, check, slices};
-use crate::solution::no_link;
+use crate::properties::Value::{Entry, Notices, Stored};
+use crate::properties::{Named, Properties, check, slices};
 use crate::threads::without_python;
 
 /// Reads a result. The folder of a run of ``solve`` or ``simulate`` becomes a `Run`; the file of a sweep, and
@@ -53,8 +54,9 @@ fn columns<'py>(py: Python<'py>, table: &compare::Table) -> PyResult<Bound<'py, 
     Ok(all)
 }
 
-/// A run of ``solve`` or ``simulate``, read from its folder: the names of a :class:`Solution`, arrays with as many digits as
-/// the files have; those of an arm have a column for each joint, the inner one first. A quantity without a file is None.
+/// A run of ``solve`` or ``simulate``, read from its folder, with the names of a :class:`Solution`. The files lack
+/// ``root_moment``, ``reaction``, the chords, ``tip_deflection`` and the deflections of an arm. Arrays have as many digits as
+/// the files; those of an arm have a column for each joint, the inner one first. A quantity without a file is None.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Run {
     stored: StoredRun,
@@ -92,28 +94,6 @@ impl Run {
     fn nodal_times_s(&self) -> &[f64] {
         let of_link = || self.nodal().map_or(&[][..], |nodes| &nodes.times_s);
         if self.links() > 1 { &self.stored.nodal_times_s } else { of_link() }
-    }
-
-    /// A history of the motor of each joint that has one.
-    fn motors(&self, of: fn(&StoredMotor) -> Option<&Vec<f64>>) -> Vec<Option<&[f64]>> {
-        let joints = self.stored.joints.iter();
-        joints.map(|joint| joint.motor.as_ref().and_then(of).map(Vec::as_slice)).collect()
-    }
-
-    /// A history of the tip along its arc, of one link.
-    fn tip(&self, of: fn(&TipMotionHistories) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.stored.arc.iter().map(|arc| of(&arc.tip)))
-    }
-
-    /// A history of each joint that has it.
-    fn joints(&self, of: fn(&StoredJoint) -> Option<&Vec<f64>>) -> Vec<&[f64]> {
-        self.stored.joints.iter().filter_map(|joint| of(joint).map(Vec::as_slice)).collect()
-    }
-
-    /// A history of the carriage, of one link or of an arm.
-    fn carriage(&self, of: fn(&StoredJoint) -> Option<&Vec<f64>>) -> Vec<&[f64]> {
-        let of_arm = self.stored.carriage.as_ref().map(|own| &own.joint);
-        of(of_arm.unwrap_or(&self.stored.joints[0])).map(Vec::as_slice).into_iter().collect()
     }
 
     /// Histories of a quantity at nodes, all by default. The turn of the hub adds its arc, if the quantity is total.
@@ -164,38 +144,51 @@ impl Run {
     }
 }
 
+impl Driven for Run {
+    fn joints(&self, of: Of) -> Vec<Option<&[f64]>> {
+        fn history(joint: &StoredJoint, of: Of) -> Option<&Vec<f64>> {
+            let motor = joint.motor.as_ref();
+            match of {
+                Of::Effort => Some(&joint.torque_n_m),
+                Of::Position => Some(&joint.angle_rad),
+                Of::Rate => Some(&joint.rate_rad_s),
+                Of::Acceleration => Some(&joint.acceleration_rad_s2),
+                Of::RigidEffort => joint.rigid_torque_n_m.as_ref(),
+                Of::RigidPosition => joint.rigid_angle_rad.as_ref(),
+                Of::MotorEffort => Some(&motor?.torque_n_m),
+                Of::MotorRate => Some(&motor?.rate_rad_s),
+                Of::MotorCurrent => motor?.current_a.as_ref(),
+                Of::MotorVoltage => motor?.voltage_v.as_ref(),
+                Of::MotorPosition | Of::MotorAcceleration | Of::MotorPower => None,
+            }
+        }
+        let carriage = self.stored.carriage.iter().map(|own| &own.joint);
+        let joints = self.stored.joints.iter().chain(carriage);
+        joints.map(|joint| history(joint, of).map(Vec::as_slice)).collect()
+    }
+}
+
+impl Moving for Run {
+    fn tip(&self, order: usize) -> Vec<&[f64]> {
+        match (&self.stored.arc, order) {
+            (Some(arc), _) => axes(slice::from_ref(&arc.tip), order),
+            (None, 0) => slices(self.stored.tip_m.iter()),
+            // Files have the places of an arm's tip alone.
+            (None, _) => Vec::new(),
+        }
+    }
+
+    fn nodes_m(&self) -> Vec<&[f64]> {
+        match &self.stored.arc {
+            Some(arc) => vec![arc.mesh.nodes_m()],
+            None => slices(self.stored.links.iter().map(|link| &link.nodes_m)),
+        }
+    }
+}
+
 impl Properties for Run {
-    const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
+    const PROPERTIES: Named<Self> = &[
         ("time", Stored(|own| vec![&own.stored.times_s])),
-        ("torque", Stored(|own| own.joints(|joint| Some(&joint.torque_n_m)))),
-        ("force", Stored(|own| own.carriage(|joint| Some(&joint.torque_n_m)))),
-        ("rigid_torque", Stored(|own| own.joints(|joint| joint.rigid_torque_n_m.as_ref()))),
-        ("rigid_force", Stored(|own| own.carriage(|joint| joint.rigid_torque_n_m.as_ref()))),
-        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| Some(&joint.angle_rad)))),
-        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| Some(&joint.rate_rad_s)))),
-        (
-            "hub_acceleration joint_acceleration",
-            Stored(|own| own.joints(|joint| Some(&joint.acceleration_rad_s2))),
-        ),
-        (
-            "rigid_hub_angle rigid_joint_angle rigid_carriage",
-            Stored(|own| own.joints(|joint| joint.rigid_angle_rad.as_ref())),
-        ),
-        ("carriage", Stored(|own| own.carriage(|joint| Some(&joint.angle_rad)))),
-        ("carriage_velocity", Stored(|own| own.carriage(|joint| Some(&joint.rate_rad_s)))),
-        (
-            "carriage_acceleration",
-            Stored(|own| own.carriage(|joint| Some(&joint.acceleration_rad_s2))),
-        ),
-        ("tip_displacement", Stored(|own| own.tip(|tip| &tip.displacement_m))),
-        ("tip_velocity", Stored(|own| own.tip(|tip| &tip.velocity_m_s))),
-        ("tip_acceleration", Stored(|own| own.tip(|tip| &tip.acceleration_m_s2))),
-        ("tip", Stored(|own| slices(own.stored.tip_m.iter()))),
-        ("motor_torque", OfJoints(|own| own.motors(|motor| Some(&motor.torque_n_m)))),
-        ("motor_rate", OfJoints(|own| own.motors(|motor| Some(&motor.rate_rad_s)))),
-        ("motor_current", OfJoints(|own| own.motors(|motor| motor.current_a.as_ref()))),
-        ("motor_voltage", OfJoints(|own| own.motors(|motor| motor.voltage_v.as_ref()))),
-        ("nodes", Stored(|own| own.stored.arc.iter().map(|arc| arc.mesh.nodes_m()).collect())),
         ("nodal_time", Stored(|own| vec![own.nodal_times_s()])),
         ("errors", Entry),
         ("results", Entry),
@@ -241,7 +234,7 @@ impl Run {
     /// Deflections of nodes of one link in m from the hub's tangent line, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None))]
     fn deflections<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>) -> Table<'py> {
-        check("displacements", self.kind())?;
+        check("deflections", self.kind())?;
         self.histories(py, ("deflections", self.deflections_m(), NO_NODES), (nodes, false))
     }
 
@@ -263,7 +256,7 @@ impl Run {
     /// Distances in m of the nodes of a ``link``, numbered from 0, from its joint.
     #[pyo3(signature = (link=0))]
     fn nodes_of<'py>(&self, py: Python<'py>, link: usize) -> Raises<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_slice(py, &self.link(link)?.nodes_m))
+        Ok(PyArray1::from_slice(py, self.nodes_of_link(link)?))
     }
 
     /// The folder.

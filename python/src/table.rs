@@ -1,22 +1,27 @@
 //! The table of `solve --write`: efforts, or set-points of drives, as a controller plays them.
 
 use flexlink::beam::MeshPlan;
-use flexlink::cli::solve::table::{WriteArgs, WrittenTable};
+use flexlink::cli::solve::table::WrittenTable;
+use flexlink::cli::solve::write_args::WriteArgs;
 use flexlink::cli::terminal::StageBar;
 use flexlink::csv::Joints;
 use flexlink::inverse::Solution as Inverse;
-use flexlink::result::SetPoint;
+use flexlink::result::{SetPoint, Side};
 use flexlink::store::Summary;
 
 use crate::arrays::times;
+use crate::joints::{Driven, Of};
 use crate::keywords::{of_writing, parsed, solve_options};
 use crate::prelude::*;
-use crate::properties::Value::{Computed, Notices, Stored};
-use crate::properties::{Properties, Value};
+use crate::properties::Value::{Computed, Notices, OfJoints, Stored};
+use crate::properties::{Named, Properties};
 
 /// The torque at the hub, those of the joints, or the force on the carriage, as a controller plays it, or the set-points of
-/// drives. Arrays have a row for each of ``time``, those of an arm a column for each joint. Units are SI. ``position``,
-/// ``velocity``, ``acceleration`` and ``effort`` have a column for each joint, the carriage last, or are None.
+/// drives. Arrays have a row for each of ``time``, those of an arm a column for each joint. They are in SI, also where the
+/// file has other units or counts. ``position``, ``velocity``, ``acceleration`` and ``effort`` have a column for each joint, the
+/// carriage last; without their quantity they are None. The names of a :class:`Solution` show the same columns: ``hub_angle``,
+/// ``joint_rate``, ``carriage``, ``torque`` and so on, with ``side="motor"`` ``motor_angle``, ``motor_rate``,
+/// ``motor_acceleration`` and ``motor_torque``.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct SetPoints {
     /// The keywords of the call as options.
@@ -42,6 +47,13 @@ impl SetPoints {
         Ok(Self { arguments, written, summary, kind })
     }
 
+    /// The times of the motion's file in s.
+    pub(crate) fn times_of_motion(&self) -> Vec<f64> {
+        let table = &self.written.table;
+        let shift_s = table.moves_from_in_file_s() - table.moves_from_s();
+        times(&table.grid()).into_iter().map(|time_s| time_s + shift_s).collect()
+    }
+
     pub(crate) fn notices(&self) -> Vec<Notice> {
         self.written.warning.iter().cloned().collect()
     }
@@ -50,16 +62,6 @@ impl SetPoints {
     fn all(&self, set_point: SetPoint) -> Vec<&[f64]> {
         let table = &self.written.table;
         table.columns_of(set_point).map(|own| table.rows_of(own)).collect()
-    }
-
-    /// Efforts of the joints of the links.
-    fn joints(&self) -> Vec<&[f64]> {
-        self.all(SetPoint::Effort).into_iter().take(self.kind.links).collect()
-    }
-
-    /// The force on the carriage, the joint of one link or the last of an arm.
-    fn carriage(&self) -> Vec<&[f64]> {
-        self.all(SetPoint::Effort).pop().into_iter().collect()
     }
 
     fn write_to(&self, path: &Path, more: &[String]) -> Fails<()> {
@@ -76,11 +78,33 @@ fn options_of(arguments: &[String], file: &str) -> Fails<WriteArgs> {
     parsed(&[arguments, &file].concat(), &[], &[])
 }
 
+impl Driven for SetPoints {
+    fn joints(&self, of: Of) -> Vec<Option<&[f64]>> {
+        let set_point = match (self.written.table.side(), of) {
+            (Side::Joint, Of::Effort) | (Side::Motor, Of::MotorEffort) => SetPoint::Effort,
+            (Side::Joint, Of::Position) | (Side::Motor, Of::MotorPosition) => SetPoint::Position,
+            (Side::Joint, Of::Rate) | (Side::Motor, Of::MotorRate) => SetPoint::Velocity,
+            (Side::Joint, Of::Acceleration) | (Side::Motor, Of::MotorAcceleration) => {
+                SetPoint::Acceleration
+            }
+            _ => return Vec::new(),
+        };
+        self.all(set_point).into_iter().map(Some).collect()
+    }
+
+    /// The motor of a carriage is a column, too.
+    fn of_motors(&self, of: Of) -> Vec<Option<&[f64]>> {
+        self.joints(of)
+    }
+}
+
 impl Properties for SetPoints {
-    const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
+    const PROPERTIES: Named<Self> = &[
         ("time", Computed(|own| times(&own.written.table.grid()))),
-        ("torque", Stored(Self::joints)),
-        ("force", Stored(Self::carriage)),
+        ("motor_torque", OfJoints(|own| own.of_motors(Of::MotorEffort))),
+        ("motor_angle", OfJoints(|own| own.of_motors(Of::MotorPosition))),
+        ("motor_rate", OfJoints(|own| own.of_motors(Of::MotorRate))),
+        ("motor_acceleration", OfJoints(|own| own.of_motors(Of::MotorAcceleration))),
         ("position", Stored(|own| own.all(SetPoint::Position))),
         ("velocity", Stored(|own| own.all(SetPoint::Velocity))),
         ("acceleration", Stored(|own| own.all(SetPoint::Acceleration))),
@@ -105,7 +129,7 @@ impl SetPoints {
     }
 
     /// Distance of the tip from its motion when the table is played: ``worst_m``, its ``share`` of the travel, ``time_s``,
-    /// ``rms_m``, and ``known_to_m``. None for the whole torque, which the errors of the solution describe.
+    /// ``rms_m``, and ``known_to_m``. None for a table of the solution's own samples, which its errors describe.
     #[getter]
     fn tip_error<'py>(&self, py: Python<'py>) -> Raises<Any<'py>> {
         Ok(self.summary(py)?.get_item("tip_error")?)
@@ -118,7 +142,8 @@ impl SetPoints {
     }
 
     /// Writes the file of ``flexlink solve --write``: ``.csv``, ``.h`` for C, ``.m`` for MATLAB and Simulink, ``.mat``,
-    /// ``.npz``, ``.yaml`` or ``.json`` for ROS 2. ``digits`` is that of the command.
+    /// ``.npz``, ``.yaml`` or ``.json`` for ROS 2, and with ``form="halstreamer"`` ``.txt`` for LinuxCNC. ``digits`` is that of
+    /// the command.
     #[pyo3(signature = (path, **keywords))]
     fn write(&self, py: Python<'_>, path: PathBuf, keywords: Option<Keywords<'_>>) -> Raises<()> {
         let more = of_writing(keywords.as_ref(), &["digits"])?;

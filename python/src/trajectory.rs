@@ -4,7 +4,7 @@ use flexlink::cli::options::common::option;
 use flexlink::cli::trajectory::{Found, Trajectory};
 
 use crate::arrays::dictionary;
-use crate::keywords::{arguments, parsed};
+use crate::keywords::{arguments, parsed, take_uncertain};
 use crate::link::{Link, Source, without_line};
 use crate::prelude::*;
 use crate::threads::until_pressed;
@@ -21,8 +21,8 @@ const RENAMED: [(&str, &str); 1] = [("from", "start")];
 /// on one.
 ///
 /// Keywords are the options of ``flexlink trajectory``: ``distance``, ``duration``, ``step``, ``rest_before``,
-/// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``shape``, ``of``, ``quiet_at`` and
-/// ``modes``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``, ``carriage``,
+/// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``shape``, ``of``, ``quiet_at``, ``modes``
+/// and ``uncertain``, as that of :func:`robust`; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``, ``carriage``,
 /// and ``start`` for ``--from``. ``link`` is a :class:`Link` or the path of its file. A list of ``via``, ``set`` or
 /// ``fit_limit`` repeats the option; ``fit_limit`` may be a dictionary of limits. Notes, as on a duration that was found, go
 /// to ``sys.stderr``.
@@ -70,6 +70,7 @@ pub(crate) fn trajectory<'py>(
             repeated.extend(arguments(&[(name, value)].into_py_dict(py)?, &[])?);
         }
     }
+    repeated.extend(take_uncertain(&keywords)?);
     let options = arguments(&keywords, &RENAMED)?;
     let words = [options, repeated, vec![profile.to_owned()]].concat();
     let trajectory: Trajectory = parsed(&words, &[], &RENAMED)?;

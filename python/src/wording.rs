@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use pyo3::prelude::*;
 
 /// Values of options that are words.
-const WORDS: [&str; 24] = [
+const WORDS: [&str; 28] = [
     "comma",
     "point",
     "zero",
@@ -14,6 +14,8 @@ const WORDS: [&str; 24] = [
     "cubic",
     "effort",
     "position",
+    "velocity",
+    "acceleration",
     "feedback",
     "inverse",
     "rigid",
@@ -31,27 +33,29 @@ const WORDS: [&str; 24] = [
     "voltage",
     "hub-angle",
     "uniform",
+    "motor",
+    "halstreamer",
 ];
 
 /// Options without a value.
 const FLAGS: [&str; 6] = ["bless", "drop-outliers", "periodic", "moving-ends", "linear", "cycle"];
 
-/// Options with another keyword.
-const RENAMED: [(&str, &str); 1] = [("from", "start")];
+/// Options with another keyword: words of Python.
+const RENAMED: [(&str, &str); 2] = [("from", "start"), ("with", "quantities")];
 
 /// Phrases of a command line, and of a call.
-const PHRASES: [(&str, &str); 10] = [
+const PHRASES: [(&str, &str); 6] = [
     ("solve --write", "solution.table().write"),
     ("flexlink compare --bless", "--bless"),
     ("`flexlink modes --at`", "`modes(link, at=…)`"),
     ("modes --at ANGLE", "modes(link, at=ANGLE)"),
     ("modes --at", "modes(link, at=…)"),
     ("`flexlink ", "`flexlink."),
-    ("PROFILE", "profile"),
-    ("EXPECTED", "expected"),
-    ("ACTUAL", "actual"),
-    ("BESIDE", "beside"),
 ];
+
+/// Words for arguments of a command line, and of a call.
+const ARGUMENTS: [(&str, &str); 3] =
+    [("PROFILE", "profile"), ("EXPECTED", "expected"), ("ACTUAL", "actual")];
 
 /// A message with keywords for options: `resample=STEP` for `--resample STEP`, and changes for `--set`.
 pub(crate) fn in_python(text: &str) -> String {
@@ -84,9 +88,26 @@ fn python_value(value: &str) -> String {
     format!("{{{}}}", pairs.collect::<Vec<_>>().join(", "))
 }
 
+/// The text with another word for a whole word. A word in a path or before a colon is the name of a file, and stays.
+fn renamed(text: &str, from: &str, to: &str) -> String {
+    let is_name = |c: char| c.is_alphanumeric() || "_-./\\:".contains(c);
+    let (mut rest, mut shown) = (text, String::new());
+    while let Some(at) = rest.find(from) {
+        let (before, after) = (&rest[..at], &rest[at + from.len()..]);
+        // The full stop of a sentence ends no name.
+        let next = after.strip_prefix('.').filter(|next| !next.starts_with(is_name));
+        let is_word = !before.ends_with(is_name) && !next.unwrap_or(after).starts_with(is_name);
+        shown.push_str(before);
+        shown.push_str(if is_word { to } else { from });
+        rest = after;
+    }
+    shown + rest
+}
+
 fn worded(text: &str, change: impl Fn(&str) -> String) -> String {
     let text = PHRASES.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to));
     let text = text.replace("`flexlink.help", "`flexlink help");
+    let text = ARGUMENTS.iter().fold(text, |text, (from, to)| renamed(&text, from, to));
     let (mut rest, mut shown) = (&*text, String::new());
     while let Some(at) = rest.find("--") {
         let (before, option) = (&rest[..at], &rest[at + 2..]);
@@ -153,6 +174,9 @@ fn as_value(word: &str) -> Option<String> {
     let is_plain = |word: &str| is_placeholder(word) || word.parse::<f64>().is_ok();
     if word.contains(',') && word.split(',').all(is_plain) {
         return Some(format!("({})", word.replace(',', ", ")));
+    }
+    if word.contains(',') && word.split(',').all(|own| WORDS.contains(&own)) {
+        return Some(format!("[\"{}\"]", word.replace(',', "\", \"")));
     }
     let is_text = word.find('=').is_some_and(|at| at > 0) || WORDS.contains(&word);
     let text = || format!("{:?}", word.replace("hub-angle", "hub_angle"));

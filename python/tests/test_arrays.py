@@ -121,6 +121,7 @@ def test_an_arms_histories_are_a_column_for_each_joint(tmp_path: Path) -> None:
     solution.write(tmp_path)
     read = flexlink.read(tmp_path).to_pandas()
     of_joints = ["torque", "rigid_torque", "joint_angle", "joint_rate", "joint_acceleration"]
+    of_joints.append("rigid_joint_angle")
     assert list(read) == [f"{name}{joint}" for name in of_joints for joint in (1, 2)] + [
         "tip_x",
         "tip_y",

@@ -246,3 +246,29 @@ def test_notes_and_warnings_of_a_motion_reach_python(capsys: pytest.CaptureFixtu
     first, second = capsys.readouterr().err.splitlines()
     assert first.startswith("note: zv for free mode 1, 1.900 Hz")
     assert second.startswith("note: the torque starts 0.284 s before the motion")
+
+
+def test_a_quiet_duration_takes_intervals_as_a_list_or_a_dictionary(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    link = strip(damping={"model": "rayleigh", "alpha": 0.1, "beta": 0.002})
+    intervals: list[Any] = [
+        ["segments.*.EI*=±5%", "hub.inertia=0.098..0.102"],
+        {"segments.*.EI*": "±5%", "hub.inertia": (0.098, 0.102)},
+        "segments.*.EI*=±5%",
+        None,
+    ]
+    notes = []
+    for uncertain in intervals:
+        flexlink.trajectory(
+            "min-jerk",
+            link=link,
+            distance=0.5,
+            step=0.005,
+            quiet_at="free",
+            fit_limit={"torque": 2},
+            uncertain=uncertain,
+        )
+        notes.append(capsys.readouterr().err)
+    assert notes[0] == notes[1]
+    assert ["in the intervals" in note for note in notes] == [True, True, True, False]

@@ -13,7 +13,10 @@ import pytest
 import scipy.io
 import yaml
 
+import flexlink
+
 from conftest import LINK, MOTION, ROOT, Command
+from test_arrays import strip
 
 ARM = ROOT / "specs/arms/two_links.toml"
 PATH = ROOT / "trajectories/arms/line_1.5s.csv"
@@ -203,3 +206,100 @@ def test_lines_of_halstreamer_are_numbers_of_its_pins(command: Command, tmp_path
     expected = 2048 - position[first::2] * 4096 / (2 * np.pi)
     assert np.abs(counts - expected).max() <= 0.5 + 1e-6
     np.testing.assert_allclose(efforts, torque[first::2], atol=1e-8)
+
+
+# Names of a solution for each quantity: of a link, of an arm's joints, of a carriage.
+NAMES = {
+    "position": ("hub_angle", "joint_angle", "carriage", "rad", "m"),
+    "velocity": ("hub_rate", "joint_rate", "carriage_velocity", "rad/s", "m/s"),
+    "acceleration": (
+        *("hub_acceleration", "joint_acceleration", "carriage_acceleration"),
+        *("rad/s^2", "m/s^2"),
+    ),
+    "effort": ("torque", "torque", "force", "N m", "N"),
+}
+
+
+@pytest.mark.parametrize("kind", ["link", "arm", "carriage", "arm on a carriage"])
+def test_each_quantity_is_a_column_of_other_libraries(kind: str) -> None:
+    step = flexlink.trajectory("septic", distance=0.05, duration=1.5, step=0.005)
+    if kind == "link":
+        solution = flexlink.solve(flexlink.Link.read(LINK), MOTION)
+    elif kind == "arm":
+        solution = flexlink.solve(flexlink.Arm.read(ARM), PATH)
+    elif kind == "carriage":
+        sheet = flexlink.Link.read(ROOT / "specs/carriages/sheet.toml")
+        solution = flexlink.solve(sheet, step["time"], acceleration=step["acceleration"])
+    else:
+        gantry = flexlink.Arm.read(ROOT / "specs/carriages/gantry_arm.toml")
+        solution = flexlink.solve(gantry, ROOT / "trajectories/arms/gantry_1.5s.csv")
+    quantity: Any
+    for quantity, (hub, joint, carriage, turning, sliding) in NAMES.items():
+        # A table of accelerations needs a quantity that a drive holds, too.
+        others: list[Any] = ["effort"] if quantity == "acceleration" else []
+        table = solution.table(quantities=[quantity, *others])
+        columns = {}
+        if kind == "link":
+            columns[hub] = (turning, getattr(solution, hub))
+        elif kind.startswith("arm"):
+            both = getattr(solution, joint).T
+            columns = {f"{joint}{n}": (turning, own) for n, own in enumerate(both, 1)}
+        if kind.endswith("carriage"):
+            columns[carriage] = (sliding, getattr(solution, carriage))
+        frame, data = table.to_pandas(), table.to_xarray()
+        assert set(columns) <= set(frame) and (others or len(frame.columns) == len(columns))
+        all_joints = getattr(table, quantity).reshape(table.time.size, -1)
+        for place, (name, (unit, values)) in enumerate(columns.items()):
+            close = {"rtol": 1e-9, "atol": 1e-9 * abs(values).max(), "err_msg": name}
+            np.testing.assert_allclose(frame[name], values, **close)
+            np.testing.assert_allclose(all_joints[:, place], values, **close)
+            assert data[name.rstrip("12")].attrs["units"] == unit
+        for absent in set(NAMES) - {quantity, *others}:
+            assert getattr(table, absent) is None, absent
+
+
+def test_set_points_of_a_motor_have_its_names() -> None:
+    geared = strip(drive={"gear_ratio": 50.0, "rotor_inertia": 1e-5})
+    solution = flexlink.solve(geared, MOTION)
+    quantities: Any = ["position", "velocity", "acceleration", "effort"]
+    table = solution.table(side="motor", quantities=quantities)
+    assert list(table.to_pandas()) == [
+        *("motor_torque", "motor_angle", "motor_rate", "motor_acceleration")
+    ]
+    assert table.torque is None and table.hub_angle is None
+    np.testing.assert_allclose(table.motor_angle, 50 * solution.hub_angle, atol=1e-9)
+    # A rigid gear: the motor's torque is that of the joint over the ratio, and the rotor's.
+    turning = 1e-5 * 50 * solution.hub_acceleration
+    expected = solution.torque / 50 + turning
+    np.testing.assert_allclose(table.motor_torque, expected, atol=1e-6 * abs(expected).max())
+
+
+def test_units_and_counts_are_those_of_the_file_and_arrays_stay_si(tmp_path: Path) -> None:
+    solution = flexlink.solve(flexlink.Link.read(LINK), MOTION)
+    in_degrees = solution.table(quantities=["position"], units={"position": "deg"})
+    np.testing.assert_array_equal(in_degrees.position, solution.hub_angle)
+    in_degrees.write(tmp_path / "deg.csv")
+    (degrees,) = [own for name, own in table(tmp_path / "deg.csv").items() if "deg" in name]
+    np.testing.assert_allclose(degrees, np.degrees(solution.hub_angle), atol=1e-7)
+    counted = solution.table(quantities=["position"], counts={"position": "65536/360 deg"})
+    counts = counted.position * 65536 / (2 * np.pi)
+    np.testing.assert_allclose(counts, np.round(counts), atol=1e-6)
+    assert abs(counts - solution.hub_angle * 65536 / (2 * np.pi)).max() <= 0.5 + 1e-6
+    assert counted.tip_error is not None
+
+
+def test_names_of_joints_and_the_form_of_a_file(tmp_path: Path) -> None:
+    solution = flexlink.solve(flexlink.Link.read(LINK), MOTION)
+    named = solution.table(quantities=["position"], joint_names=["shoulder"])
+    named.write(tmp_path / "move.yaml")
+    message = yaml.safe_load((tmp_path / "move.yaml").read_text())
+    assert message["joint_names"] == ["shoulder"]
+    assert len(message["points"]) == solution.time.size
+    lines = solution.table(quantities=["position", "effort"], form="halstreamer")
+    lines.write(tmp_path / "move.txt")
+    text = (tmp_path / "move.txt").read_text().splitlines()
+    rows = np.array([line.split() for line in text if not line.startswith("#")], dtype=float)
+    np.testing.assert_allclose(rows[:, 0], solution.hub_angle, atol=1e-7)
+    np.testing.assert_allclose(rows[:, 1], solution.torque, atol=1e-7)
+    with pytest.raises(flexlink.InputError, match='must end in .txt with form="halstreamer"'):
+        lines.write(tmp_path / "move.csv")

@@ -104,3 +104,16 @@ def test_the_files_have_the_same_matrices(command: Command, tmp_path: Path) -> N
     for key, names in space.names.items():
         assert texts[key] == names == list(arrays[key])
         assert [str(cell[0]) for cell in matlab[key].ravel()] == names
+
+
+def test_single_modes_and_their_matrices_are_those_of_all() -> None:
+    link = flexlink.Link(**STRIP)
+    all_modes = link.state_space(modes=4)
+    few = link.state_space(modes=[3, 1])
+    assert few.states == ["mode_0", "mode_1", "mode_3", "mode_0_rate", "mode_1_rate", "mode_3_rate"]
+    kept = [0, 1, 3]
+    assert np.array_equal(few.stiffness, all_modes.stiffness[np.ix_(kept, kept)])
+    assert np.array_equal(few.damping, -few.A[3:, 3:])
+    assert np.array_equal(few.mass, np.eye(3))
+    with pytest.raises(flexlink.FlexlinkError, match="modes = 0, but must be"):
+        link.state_space(modes=[])

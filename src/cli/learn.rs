@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::problem::Problem;
-use super::robust::{Plants, RobustOptions, not_played};
+use super::robust::{Plants, not_played};
 use crate::cli::options::common::{digits_arguments, option, seconds};
 use crate::cli::options::inputs::{ChangeArgs, LINK, MOTION, MotionArgs};
 use crate::cli::options::reading::TableName;
@@ -28,7 +28,7 @@ use crate::learn::{
 use crate::link::Arm;
 use crate::numeric::{largest, rounded};
 use crate::result::{ChannelRecording, Limits, Notice};
-use crate::robust::{Command, Hold, How, Key, Thinned, Values, directions_rad};
+use crate::robust::{Command, Hold, How, Key, Thinned, directions_rad};
 use crate::spec::{Override, Specification, Uncertain};
 use crate::store::{Fingerprint, LearnInputs, record_json, write_next};
 use crate::text::{given, shown_path, significant};
@@ -65,12 +65,13 @@ enum Holds {
 /// Compute the next torque of a repeated motion from the measured tip.
 ///
 /// Adds to the applied torque the inverse of the error, wanted less measured tip, and writes the next table. Play it,
-/// measure again, and repeat. The error shrinks in the band in which no plant within the intervals differs from the model by
-/// as much as it responds: max |G_true/G - 1| < 1. Printed are this maximum, also weighted by the error's spectrum,
-/// and the error to expect: the larger one of the contraction and of these plants when they play the table.
+/// measure again, and repeat. The error shrinks at the frequencies where max |G_true/G - 1| < 1: G is the response of the
+/// model, G_true that of a plant within the intervals. The command prints this maximum, also weighted by the error's
+/// spectrum, and the error to expect. This is the larger one of two: the contracted error, and the error of the plants
+/// that play the next table.
 ///
 /// MEASURED has the time of MOTION and the tip, with rest before and after the motion. A constant offset of the sensor does not
-/// count. Refused are another motion, a time shift that explains the error, and a torque with a plateau, as of a
+/// count. The command refuses another motion, a time shift that explains the error, and a torque with a plateau, as of a
 /// drive at its limit.
 ///
 /// With --play position the table is the motion of the joints, which the drives hold. Links of an arm from the third on, and
@@ -187,7 +188,6 @@ impl Learn {
         let changes = options.changes.overrides()?;
         let (plants, specification) = options.plants((&file, changes), fit.as_ref())?;
         let motion = InputFile::read(&self.motion)?;
-        options.motion.read.check(&TABLES)?;
         let problem = Problem::read((&file, specification), &motion, &options.motion)?;
         let arm = &problem.specification.arm;
         let applied = self.applied.as_deref().map(InputFile::read).transpose()?;
@@ -248,6 +248,7 @@ impl LearnOptions {
         link: (&InputFile, Vec<Override>),
         fit: Option<&InputFile>,
     ) -> Result<(Plants, Specification), Failure> {
+        self.motion.read.check(&TABLES)?;
         Plants::of(link, (&self.uncertain, fit), self.hold())
     }
 
@@ -267,7 +268,10 @@ impl LearnOptions {
         self.refuse_saturated((table, shown), &problem.specification)?;
         let recorded = self.recorded(trial, solution, &plants.keys)?;
         stages.at("comparing plants");
-        let (band, count) = self.band(problem, solution, &recorded, plants)?;
+        let each = plants.ends();
+        let each = each.par_iter().map(|values| Ok((plants.with(values)?, plants.delay_s(values))));
+        let each = each.collect::<Result<Vec<_>, Failure>>()?;
+        let band = self.band(problem, solution, &recorded, &each)?;
         stages.at("correcting");
         let correction =
             Correction::of(solution, &recorded, &band).map_err(|error| not_learned(&error))?;
@@ -280,12 +284,12 @@ impl LearnOptions {
         let played = if falls {
             Err("an arm under weight falls without feedback".to_owned())
         } else {
-            let played = self.played_rms_m((problem, solution), &recorded, plants, tables);
+            let played = self.played_rms_m((problem, solution), &recorded, &each, tables);
             played.map_err(|failure| failure.message)
         };
         let summary = LearnSummary::of(
             (solution, &recorded, self.shift.unwrap_or(0.0)),
-            (&plants.keys, count),
+            (&plants.keys, each.len()),
             (&band, &correction, *played.as_ref().unwrap_or(&0.0)),
             (&next, hold),
         );
@@ -314,7 +318,7 @@ impl LearnOptions {
     pub fn table(&self, file: &InputFile, arm: &Arm) -> Result<(Table, Reading), Failure> {
         let InputFile { shown, bytes, .. } = file;
         let (joints, name) = (Joints::from(arm), TableName::Applied);
-        let format = self.motion.read.other(name);
+        let format = self.motion.read.format(name, TABLES[0]);
         let of_table = |error: TableError| name.refused(error.into());
         let (table, reading, column) = if self.hold() == Hold::Position {
             let (found, reading) =
@@ -340,8 +344,8 @@ impl LearnOptions {
         arm: &Arm,
     ) -> Result<(ChannelRecording, Reading), Failure> {
         let (joints, name) = (Joints::from(arm), TableName::Measured);
-        let read =
-            read_recording_as(&file.shown, &file.bytes, joints, &self.motion.read.other(name));
+        let format = self.motion.read.format(name, TABLES[0]);
+        let read = read_recording_as(&file.shown, &file.bytes, joints, &format);
         read.map_err(|error| name.refused(error.into()))
     }
 
@@ -388,14 +392,14 @@ impl LearnOptions {
         })
     }
 
-    /// The band of all plants of the intervals, and their number.
+    /// The band of these plants, each with the delay of its drives in s.
     fn band(
         &self,
         problem: &Problem,
         solution: &Solution,
         recorded: &Recorded,
-        plants: &Plants,
-    ) -> Result<(Band, usize), Failure> {
+        plants: &[(Specification, f64)],
+    ) -> Result<Band, Failure> {
         let refused = |error: LearnError| not_learned(&error);
         let Specification { arm, meshes, analysis, .. } = &problem.specification;
         let band = &solution.band;
@@ -409,16 +413,14 @@ impl LearnOptions {
         let kept = analysis.kept_modes();
         let nominal = Plant { arm, meshes, kept, delay_s: 0.0 };
         let nominal = responses(&nominal, self.hold(), at).map_err(refused)?;
-        let all = plants.ends();
-        let of_plant = |values: &Values| {
-            let own = plants.with(values)?;
-            let plant =
-                Plant { arm: &own.arm, meshes: &own.meshes, kept, delay_s: plants.delay_s(values) };
+        let of_plant = |(own, delay_s): &(Specification, f64)| {
+            let Specification { arm, meshes, .. } = own;
+            let plant = Plant { arm, meshes, kept, delay_s: *delay_s };
             responses(&plant, self.hold(), at).map_err(refused)
         };
-        let all: Vec<_> = all.par_iter().map(of_plant).collect::<Result<_, _>>()?;
+        let all: Vec<_> = plants.par_iter().map(of_plant).collect::<Result<_, _>>()?;
         let contraction = Contraction::of(frequencies_hz, &nominal, &all);
-        Ok((contraction.band().map_err(refused)?, all.len()))
+        contraction.band().map_err(refused)
     }
 
     /// Largest root mean square in m of the next error: of the measured one less the change of the tip from the applied table to
@@ -427,7 +429,7 @@ impl LearnOptions {
         &self,
         (problem, solution): (&Problem, &Solution),
         recorded: &Recorded,
-        plants: &Plants,
+        plants: &[(Specification, f64)],
         tables: [&Table; 2],
     ) -> Result<f64, Failure> {
         let Specification { arm, meshes, .. } = &problem.specification;
@@ -437,14 +439,13 @@ impl LearnOptions {
             let end_s = solution.grid.time_s(solution.moving.1);
             let histories = table.histories(solution, hold);
             let how = (hold, &[][..], Thinned::No);
-            let command = RobustOptions::command(problem, solution, (&histories, end_s), how)?;
+            let command = problem.command(solution, (&histories, end_s), how)?;
             command.refined(arm, meshes).map_err(failed)
         };
         let [applied, next] = [command(tables[0])?, command(tables[1])?];
-        let of_plant = |values: &Values| {
-            let own = plants.with(values)?;
+        let of_plant = |(own, delay_s): &(Specification, f64)| {
             let tip = |command: &Command| {
-                let how = (plants.delay_s(values), until_s, until_s);
+                let how = (*delay_s, until_s, until_s);
                 let played = command.plant((&own.arm, &own.meshes), how, &[]).map_err(failed)?;
                 Ok::<_, Failure>(command.over_time(&played.error_m))
             };
@@ -452,7 +453,7 @@ impl LearnOptions {
             let change_m = |axis, time_s| after(axis, time_s) - before(axis, time_s);
             Ok(recorded.rms_and_peak_less_m(change_m)[0])
         };
-        let all = plants.ends().par_iter().map(of_plant).collect::<Result<Vec<f64>, Failure>>()?;
+        let all = plants.par_iter().map(of_plant).collect::<Result<Vec<f64>, Failure>>()?;
         Ok(all.into_iter().fold(0.0, f64::max))
     }
 
@@ -494,10 +495,8 @@ impl LearnOptions {
         [
             self.changes.arguments(),
             own.chain(shift.into_iter().flatten()).collect(),
-            self.motion.resample.arguments(),
-            self.motion.scale.arguments(),
+            self.motion.arguments(),
             digits_arguments(self.digits),
-            self.motion.read.arguments(),
         ]
         .concat()
     }

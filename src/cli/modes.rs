@@ -48,7 +48,7 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 /// Natural frequencies, mode shapes and zeros of a link or an arm.
 ///
 /// Prints tables; with -o, writes modes.csv, mode_shapes.csv, zeros.csv and held_modes.csv into a folder. Modes are
-/// computed with a free hub and, without shapes, with a held hub; shapes are mass-normalised and positive at the tip.
+/// computed with a free hub and with a held hub; shapes are mass-normalised and positive at the tip.
 /// The zeros of the transfer from hub torque to tip set how long before the tip the torque must start. An
 /// automatic mesh is refined until the frequencies are exact to mesh.tolerance. The mesh error of each
 /// number is measured on elements of half the length; above 1 % there is a warning. Damping ratios are those of the
@@ -64,9 +64,9 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 /// about the arm's shape at rest there, bent by its weight, with all joints free and with all rotors held; the zeros
 /// are those of each link. The bending of the links is refined until the frequencies are exact to mesh.tolerance.
 ///
-/// With --at and -o, mode_shapes.csv has x and y of each node, at rest and moved by the modes with free joints,
-/// mass-normalised and with the joint that turns most turning counterclockwise; modes that leave the pose have a growth
-/// rate.
+/// With --at and -o, mode_shapes.csv has x and y of each node, at rest and moved by the modes with free joints and with
+/// held rotors. The shapes are mass-normalised, and the joint that turns most turns counterclockwise. A mode that leaves
+/// the pose has a growth rate.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Modes {
@@ -186,9 +186,9 @@ pub fn state_space_of(
     let mut specification = specification.clone();
     let stations = NodeArgs::at(scope.stations_m.clone());
     stations.meshes(&specification.arm, &mut specification.meshes)?;
-    let found = computed(&specification, at, scope.modes, Wanted::Modes)?;
+    let found = computed(&specification, at, scope.modes.count(), Wanted::Modes)?;
     let space = state_space(&specification, &found, scope)?;
-    let description = described(&specification.arm, &space, scope);
+    let description = described(&space, scope);
     Ok((found, space, description))
 }
 

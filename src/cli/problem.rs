@@ -6,10 +6,12 @@ use std::sync::OnceLock;
 
 use crate::beam::MeshPlan;
 use crate::csv::{Digits, InputFile};
+use crate::elastica::SecondOrder;
 use crate::inverse::{Analysis, InversionError, Resources, Solution, Unwatched, invert_motion};
 use crate::modal::REPORTED_MODES;
 use crate::motion::Ends;
 use crate::result::{Exceeded, Limits, Metrics, Notice, Remark};
+use crate::robust::{Command, Histories, Hold, Thinned};
 use crate::spec::Specification;
 use crate::store::{Findings, OutputFolder, PlayedRun, RunInputs, RunOutputs, RunTables, Summary};
 use crate::text::gigabytes;
@@ -37,8 +39,8 @@ impl Problem {
         motion_file: &InputFile,
         motion: &MotionArgs,
     ) -> Result<Self, Failure> {
-        let (wanted, reading) = motion.motion_of(motion_file, &specification.arm)?;
-        tell(&motion_file.shown, &reading);
+        let wanted = motion.motion_of(motion_file, &specification.arm)?;
+        tell(&motion_file.shown, &wanted.reading);
         Ok(Self::of(file, specification, motion.scale.scaled(&wanted)?))
     }
 
@@ -55,6 +57,19 @@ impl Problem {
     /// The plans of the links' meshes.
     pub fn plans(&self) -> &[MeshPlan] {
         &self.specification.meshes
+    }
+
+    /// The command that these histories of a solution are, which end at a time in s, with a hold.
+    pub(super) fn command(
+        &self,
+        solution: &Solution,
+        histories: (&Histories, f64),
+        (hold, gains, thinned): (Hold, &[(f64, f64)], Thinned),
+    ) -> Result<Command, Failure> {
+        let Specification { arm, analysis, .. } = &self.specification;
+        let is_large = analysis.second_order_of(&arm.links()[0].link) != SecondOrder::None;
+        Command::of(solution, histories, (hold, gains), (thinned, is_large))
+            .map_err(|error| Failure::new(Exit::InputRefused, &error, None))
     }
 
     /// Computes the solution. `analysis` may change the analysis of a link's file; `memory_bytes` is the free memory.

@@ -21,8 +21,8 @@ Example:
   flexlink report solved open closed -o loops.html
 
 RESULT is a folder of `solve`, `simulate` or `robust`, or the table of `sweep`. BESIDE are folders of other runs, of \
-links, carriages or arms with any link file and motion, or after a study of `robust` other studies. The page of the \
-first has their lines in its figures and their numbers in a table, and says what it cannot show together.";
+links, carriages or arms with any link file and motion, or after a study of `robust` other studies. The figures of the \
+first show the lines of all, a table their numbers. The page names what it cannot show together.";
 
 /// Write a result as a page with figures.
 ///
@@ -77,11 +77,11 @@ impl Report {
             file.map(|file| self.write_page(&page(&result, &figures), &file, run)).transpose()?;
         let mut written = String::new();
         if let Some(folder) = &self.svg {
-            let svg = |figure: &Figure| Ok(figure.svg_file().into_bytes());
+            let svg = |figure: &Figure| Ok(figures.svg_file(figure).into_bytes());
             written += &write_figures(folder, &figures, "svg", svg)?;
         }
         if let Some(folder) = &self.png {
-            written += &write_figures(folder, &figures, "png", Figure::png_file)?;
+            written += &write_figures(folder, &figures, "png", |own| figures.png_file(own))?;
         }
         written += &page.unwrap_or_default();
         if self.quiet { Ok(()) } else { console::print(&written) }

@@ -16,7 +16,7 @@ use crate::text::{plain, shown_path};
 use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments};
 use crate::cli::options::inputs::LinkArgs;
 use crate::cli::options::play::{DrivenFiles, PlayArgs, Playing};
-use crate::cli::options::reading::PlayedTables;
+use crate::cli::options::reading::ReadArgs;
 use crate::cli::terminal::files::{keep, keep_inputs};
 use crate::cli::terminal::text::simulate_text;
 use crate::cli::terminal::{
@@ -70,7 +70,8 @@ One of the files may be `-`, standard input.";
 /// solve. It writes torques.csv, joint_angles.csv, chord_angles.csv, tip.csv, nodal_positions.csv, nodes.csv and
 /// summary.json, with --target tip_error.csv, too. Under gravity most poses fall without --feedback.
 ///
-/// A table of solve --write begins with the time when its motion begins. The times of target and reference are shifted by it.
+/// A table of solve --write begins with the time when its motion begins. Its times are shifted to those of the motion's file,
+/// which all other tables have.
 ///
 /// On a carriage TORQUE is a force, as force.csv of solve, or with --input carriage the motion of the carriage.
 /// Force and motion are in force.csv and carriage.csv. For an arm on a carriage they come beside those of its joints.
@@ -108,7 +109,7 @@ pub(crate) struct Simulate {
     threads: ThreadArgs,
 
     #[command(flatten)]
-    tables: PlayedTables,
+    read: ReadArgs,
 }
 
 impl Simulate {
@@ -116,7 +117,7 @@ impl Simulate {
     fn arguments(&self) -> Vec<String> {
         let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
         let (changes, played) = (self.link.changes.arguments(), self.play.arguments());
-        [changes, played, nodes, digits, self.tables.arguments()].concat()
+        [changes, played, nodes, digits, self.read.arguments()].concat()
     }
 }
 
@@ -168,7 +169,7 @@ impl Simulate {
         let order = specification.analysis.second_order_of(specification.link());
         let is_large = order != SecondOrder::None;
         let arm = &specification.arm;
-        let mut playing = self.play.load(arm, is_large, &self.tables)?;
+        let mut playing = self.play.load(arm, is_large, &self.read)?;
         let moved = match self.play.moving.under_voltages(&file, arm, &playing.moves.moving)? {
             Some((moved, moving)) => {
                 playing.moves.moving = moving;

@@ -7,7 +7,7 @@ use clap::Args;
 use crate::beam::MeshPlan;
 use crate::link::Arm;
 use crate::modal::DampingLaw;
-use crate::response::{StateSpace, StateSpaceScope, arm_modes, link_state_space};
+use crate::response::{ModeChoice, StateSpace, StateSpaceScope, arm_modes, link_state_space};
 use crate::result::{ModesResult, Setting};
 use crate::spec::Specification;
 use crate::store::{StateSpaceFile, StateSpaceForm};
@@ -23,8 +23,8 @@ const ENTRY_BYTES: usize = 64;
 /// A file of A, B, C, D, and what it contains.
 #[derive(Debug, Args)]
 pub(crate) struct StateSpaceArgs {
-    /// Write A, B, C and D of the first --count modes with free joints, and names and units of states, inputs and
-    /// outputs: .npz for NumPy, .mat for MATLAB and Octave, .json.
+    /// Write A, B, C and D of the first --count modes with free joints, their M, K and C, and names and units of states,
+    /// inputs and outputs: .npz for NumPy, .mat for MATLAB and Octave, .json.
     #[arg(long, value_name = "FILE")]
     pub(crate) state_space: Option<PathBuf>,
 
@@ -33,6 +33,10 @@ pub(crate) struct StateSpaceArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = metres)]
     #[arg(allow_negative_numbers = true, requires = "state_space")]
     pub(crate) stations: Vec<f64>,
+
+    /// Numbers of the modes in FILE, as in the table, up to --count [default: all of the table].
+    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "state_space")]
+    modes: Vec<usize>,
 
     /// Put the static response of the modes left out into D. Without it D is 0, except that of an acceleration.
     #[arg(long, requires = "state_space")]
@@ -67,6 +71,18 @@ impl StateSpaceArgs {
             return Ok(None);
         }
         let stations_m = self.stations.clone();
+        let modes = match &self.modes[..] {
+            [] => ModeChoice::First(modes),
+            numbers => {
+                if let Some(number) = numbers.iter().find(|number| **number > modes) {
+                    let message =
+                        format!("--modes = {number}, but must be at most --count, {modes}");
+                    let hint = "--count sets the modes that the mesh resolves, and the table";
+                    return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+                }
+                ModeChoice::Numbers(numbers.to_vec())
+            }
+        };
         let scope = StateSpaceScope { modes, stations_m, has_residual: self.residual };
         let space = state_space(specification, found, &scope)?;
         Ok(Some(Written { space, scope }))
@@ -84,7 +100,7 @@ impl StateSpaceArgs {
         else {
             return Ok(());
         };
-        let description = described(arm, space, scope);
+        let description = described(space, scope);
         let directions_rad = match &found.setting {
             Setting::Weightless => None,
             Setting::Straight { angle_rad, .. } => Some(std::slice::from_ref(angle_rad)),
@@ -118,13 +134,29 @@ pub(crate) struct Written {
     scope: StateSpaceScope,
 }
 
-/// The state space of the first modes with free joints, in the setting and on the mesh of known modes.
+/// The state space of modes with free joints, in the setting and on the mesh of known modes.
 pub(super) fn state_space(
+    specification: &Specification,
+    found: &ModesResult,
+    scope: &StateSpaceScope,
+) -> Result<StateSpace, Failure> {
+    let space = any_state_space(specification, found, scope)?;
+    if let ModeChoice::Numbers(numbers) = &scope.modes {
+        let has = |number: &usize| space.numbers().any(|own| own == *number);
+        if let Some(number) = numbers.iter().find(|number| !has(number)) {
+            let message = format!("modes = {number}, but must be numbers of modes that there are");
+            return Err(Failure::new(Exit::Usage, &message, Some("`modes` prints their numbers")));
+        }
+    }
+    Ok(space)
+}
+
+fn any_state_space(
     Specification { arm, meshes, .. }: &Specification,
     found: &ModesResult,
     scope: &StateSpaceScope,
 ) -> Result<StateSpace, Failure> {
-    let states = 2 * (scope.modes + arm.links().len());
+    let states = 2 * (scope.modes.count() + arm.links().len());
     let bytes = states.saturating_mul(states).saturating_mul(ENTRY_BYTES);
     memory::check("the state space", bytes, None, "ask for fewer modes: --count")?;
     let outward_m_s2 = match &found.setting {
@@ -139,8 +171,12 @@ pub(super) fn state_space(
     };
     let (link, mesh) = (&arm.links()[0].link, &found.meshes[0]);
     let law = DampingLaw::of(link, mesh)?;
-    // As in a frequency response, ratios of modes are those without weight.
-    let outward_m_s2 = outward_m_s2.filter(|_| !law.is_modal());
+    if outward_m_s2.is_some() && law.is_modal() {
+        let message =
+            "the ratios of modal damping are those without weight, but the link has weight";
+        let hint = "--set gravity=[0,0] leaves the weight out; any other damping keeps it";
+        return Err(Failure::new(Exit::NotSolvable, &message, Some(hint)));
+    }
     link_state_space((link, mesh, &law), outward_m_s2, scope).ok_or_else(|| {
         let message = "a motion of the link moves no mass, but must with weight";
         Failure::new(Exit::NotSolvable, &message, Some("add mass to the segments"))
@@ -154,14 +190,22 @@ fn in_pose(
     scope: &StateSpaceScope,
 ) -> Result<StateSpace, Failure> {
     let tolerance = MeshPlan::smallest_tolerance(meshes);
-    let modes = arm_modes(arm, directions_rad, scope.modes, tolerance)?;
+    let modes = arm_modes(arm, directions_rad, scope.modes.count(), tolerance)?;
     Ok(modes.state_space(scope)?)
 }
 
 /// The modes, the others and the damping in words.
-pub(super) fn described(arm: &Arm, space: &StateSpace, scope: &StateSpaceScope) -> String {
-    let modes = space.states.len() / 2;
-    let (first, last) = arm.pick((0, modes - 1), (1, modes));
+pub(super) fn described(space: &StateSpace, scope: &StateSpaceScope) -> String {
+    let numbers: Vec<usize> = space.numbers().collect();
+    let modes = match &numbers[..] {
+        [first, .., last] if last - first == numbers.len() - 1 => {
+            format!("modes {first} to {last}")
+        }
+        [own] => format!("mode {own}"),
+        _ => {
+            format!("modes {}", numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(", "))
+        }
+    };
     let others = if scope.has_residual {
         "D has the static response of the others"
     } else {
@@ -174,5 +218,5 @@ pub(super) fn described(arm: &Arm, space: &StateSpace, scope: &StateSpaceScope) 
              response of the tip by at most {percent} %"
         )
     });
-    format!("modes {first} to {last}; {others}{}", damping.unwrap_or_default())
+    format!("{modes}; {others}{}", damping.unwrap_or_default())
 }

@@ -257,7 +257,7 @@ fn record_of(
         format.scales.push(scale.parse().map_err(|error: String| refused(&error))?);
     }
     let read = read_record(&table.shown, &table.bytes, of.input, &sensors, &format)?;
-    if !of.input.is_motion() && of.hold != Interpolation::Cubic && read.reading.jitter().is_some() {
+    if !of.input.is_motion() && of.hold != Interpolation::Cubic && read.reading.is_interpolated() {
         let must = "the times are not uniform, but must be unless hold = \"cubic\"";
         return Err(refused(&must));
     }

@@ -2,21 +2,24 @@
 
 use maud::{Markup, html};
 
-use super::tables::{amount, table, words_and_unit};
+use super::tables::{amount, of_carriage, of_whole, table, words_and_unit};
 use super::tip::strays;
 use super::view::{ERROR, View, reading};
-use crate::result::{Origin, StoredInput, StoredRun};
+use super::words::own;
+use crate::link::Joint;
+use crate::result::{Origin, QUANTITIES, StoredInput, StoredRun};
 use crate::text::significant;
 
 /// The runs of a page side by side; `None` for a single run.
 pub(super) fn beside(view: &View) -> Option<Markup> {
-    let names: Vec<&str> = view.runs.iter().map(|run| run.name.as_str()).collect();
-    let head = [&["quantity"], &names[..]].concat();
+    let names: Vec<String> = view.runs.iter().map(|run| own(&run.name)).collect();
+    let head = [&["quantity".to_owned()], &names[..]].concat();
     let rows = numbers(view);
+    // Each number has the words of its own joint.
     let rows = html! {
         @for (name, cells) in &rows { tr {
-            th scope="row" { span class="own" { (name) } }
-            @for cell in cells { td { span class="own" { (cell) } } }
+            th scope="row" { (own(name)) }
+            @for cell in cells { td { (own(cell)) } }
         } }
     };
     let origins: Vec<&Origin> = view.runs.iter().map(|run| &run.origin).collect();
@@ -24,7 +27,7 @@ pub(super) fn beside(view: &View) -> Option<Markup> {
         (table(&head, &rows))
         (differences(&names, &origins))
         p {
-            "Captions, errors, checks and the link are those of " (view.first().name) ", and so are limits, lead and lag in the \
+            "Captions, errors, checks and the link are those of " (names[0]) ", and so are limits, lead and lag in the \
              figures."
         }
     };
@@ -36,15 +39,17 @@ fn numbers(view: &View) -> Vec<(String, Vec<String>)> {
     let joints = view.runs.iter().map(|run| run.joints.len()).max().unwrap_or(0);
     let mut rows = Vec::new();
     for joint in 0..joints {
-        let of = |run: &'_ StoredRun| run.joints.get(joint).map(|own| own.readings.clone());
+        // The numbers of a single link hold those of its tip, too.
+        let of = |run: &StoredRun| {
+            let readings = run.joints.get(joint)?.readings.iter();
+            let own = readings.filter(|(name, _)| run.arc.is_none() || is_of_joint(name));
+            Some(own.cloned().collect())
+        };
         let prefix = if joints > 1 { format!("joint {}: ", joint + 1) } else { String::new() };
         rows.extend(of_all(view, &prefix, of));
     }
-    rows.extend(of_all(view, "carriage: ", |run| {
-        Some(run.carriage.as_ref()?.joint.readings.clone())
-    }));
-    // The numbers of a single link are those of its joint.
-    rows.extend(of_all(view, "", |run| run.arc.is_none().then(|| run.readings.clone())));
+    rows.extend(of_all(view, "carriage: ", |run| Some(of_carriage(run.carriage.as_ref()?))));
+    rows.extend(of_all(view, "", |run| Some(of_tip(run))));
     let strays = strays(view);
     let worst = |run: usize| {
         let own = strays.iter().find(|own| own.run == run);
@@ -57,7 +62,26 @@ fn numbers(view: &View) -> Vec<(String, Vec<String>)> {
     rows
 }
 
-/// Numbers that some run has, by name, with a cell for each run.
+/// True for a number of a joint, of its link or its motor.
+fn is_of_joint(name: &str) -> bool {
+    let is_column = |column: String| column == name || Joint::CARRIAGE.named(&column) == name;
+    QUANTITIES.iter().any(|quantity| is_column(quantity.column(None)))
+}
+
+/// Numbers of a whole run, by the same names for a solution and a simulation, a link and an arm.
+fn of_tip(run: &StoredRun) -> Vec<(String, f64)> {
+    let readings = of_whole(run).into_iter().filter(|(name, _)| !is_of_joint(name));
+    let mut readings: Vec<(String, f64)> = readings
+        .map(|(name, value)| {
+            (if name == "travel_m" { "tip_travel_m".to_owned() } else { name }, value)
+        })
+        .collect();
+    let farthest = run.arc.as_ref().filter(|_| reading(&readings, "farthest_m").is_none());
+    readings.extend(farthest.map(|arc| ("farthest_m".to_owned(), arc.tip.largest_travel_m())));
+    readings
+}
+
+/// Numbers that some run has, by name, with a cell for each run. The words of the `prefix` are not repeated.
 fn of_all(
     view: &View,
     prefix: &str,
@@ -75,16 +99,19 @@ fn of_all(
         reading(own, name).map_or(String::new(), |value| amount(name, value))
     };
     let row = |name: &str| {
-        (
-            format!("{prefix}{}", words_and_unit(name).0),
-            all.iter().map(|own| cell(own, name)).collect(),
-        )
+        let words = words_and_unit(name).0;
+        let words = if prefix.is_empty() {
+            words
+        } else {
+            words.replace("hub ", "").replace("carriage ", "")
+        };
+        (format!("{prefix}{words}"), all.iter().map(|own| cell(own, name)).collect())
     };
     names.into_iter().map(row).collect()
 }
 
 /// Commands, input files and arguments, which may differ.
-pub(super) fn differences(names: &[&str], origins: &[&Origin]) -> Markup {
+pub(super) fn differences(names: &[String], origins: &[&Origin]) -> Markup {
     let mut roles: Vec<&str> = Vec::new();
     for input in origins.iter().flat_map(|own| &own.inputs) {
         if !roles.contains(&input.role.as_str()) {
@@ -115,12 +142,12 @@ pub(super) fn differences(names: &[&str], origins: &[&Origin]) -> Markup {
     let rows = html! {
         @for (name, cells) in rows.iter().chain(&last) { tr {
             th scope="row" { (name) }
-            @for cell in cells { td { (cell) } }
+            @for cell in cells { td { (own(cell)) } }
         } }
     };
     html! {
         h3 { "Inputs" }
-        (table(&[&["input"], names].concat(), &rows))
+        (table(&[&["input".to_owned()], names].concat(), &rows))
     }
 }
 
@@ -134,23 +161,23 @@ pub(super) fn drawn_apart(view: &View) -> Vec<String> {
             Some(_) => "a turning link",
             None => "an arm",
         };
-        let [own, of_first] = [other, first].map(kind);
-        if own != of_first {
+        let [of_own, of_first] = [other, first].map(kind);
+        if of_own != of_first {
             let what = match (other.arc.is_some(), first.arc.is_some()) {
                 (true, true) => "the joint",
                 _ => "the tip, and any joint that only one has,",
             };
-            let [of_other, of_first_name] = [other, first].map(|run| &run.name);
+            let [of_other, of_first_name] = [other, first].map(|run| own(&run.name));
             apart.push(format!(
-                "{what} of {of_other}, since it is {own} and {of_first_name} {of_first}"
+                "{what} of {of_other}, since it is {of_own} and {of_first_name} {of_first}"
             ));
         } else if other.joints.len() != first.joints.len() {
             let [links, of_first] = [other, first].map(|run| run.joints.len());
             apart.push(format!(
                 "joints of {} beyond the first {}, since it has {links} and {} {of_first}",
-                other.name,
+                own(&other.name),
                 links.min(of_first),
-                first.name
+                own(&first.name)
             ));
         }
     }
@@ -158,8 +185,19 @@ pub(super) fn drawn_apart(view: &View) -> Vec<String> {
         let alone = view.pick("mode shapes and the tip under the rigid link's torque", "poses");
         apart.push(format!(
             "waves, animation, {alone} of other results than {}, since these figures hold one",
-            first.name
+            own(&first.name)
         ));
+        let has_rigid = |run: &&StoredRun| {
+            let joint = view.joint(run, 0);
+            joint.is_some_and(|joint| joint.rigid_torque_n_m.is_some())
+        };
+        let mut rigid = view.runs.iter().filter(has_rigid);
+        if let (Some(drawn), Some(_)) = (rigid.next(), rigid.next()) {
+            let lines = view.pick("rigid links", "rigid arms");
+            let name = own(&drawn.name);
+            let why = "since these figures hold one";
+            apart.push(format!("the {lines} of other results than {name}, {why}"));
+        }
     }
     apart
 }

@@ -6,16 +6,19 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest as _, Sha256};
 
 use super::beside::beside;
-use super::figure::{self, Figure, Figures};
+use super::figure::{Figure, Figures};
 use super::link::{given, link_drawing, link_readings};
 use super::motion::Motion;
-use super::tables::{checks, errors, joints, modes, readings, results, table};
+use super::picture;
+use super::tables::{
+    checks, errors, joints, modes, of_carriage, of_whole, readings, results, table,
+};
 use super::view::View;
-use super::words::{GLOSSARY, glossary};
+use super::words::{GLOSSARY, acts, glossary, own};
 use crate::link::Link;
 use crate::result::{Notice, Origin, StoredRun};
 
-const STYLE: &str = include_str!("page.css");
+const STYLE: &str = concat!(include_str!("drawing.css"), include_str!("page.css"));
 const SCRIPT: &str = include_str!("page.js");
 
 /// Security policy that allows only the page's style and script, by their hashes, and pictures that it contains or
@@ -40,6 +43,7 @@ pub(super) fn document(
     source: &str,
     data: Option<&str>,
 ) -> Markup {
+    let title = own(title);
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -80,7 +84,7 @@ pub(super) fn document(
                 @if let Some(data) = data {
                     script type="application/json" id="motion" { (PreEscaped(data)) }
                 }
-                script type="text/plain" id="figure-style" { (PreEscaped(figure::STYLE)) }
+                script type="text/plain" id="figure-style" { (PreEscaped(picture::STYLE)) }
                 script { (PreEscaped(SCRIPT)) }
             }
         }
@@ -98,9 +102,9 @@ pub(super) struct Section {
 }
 
 impl Section {
-    /// The glossary, folded.
-    pub(super) fn glossary(words: &[(&str, &str)]) -> Self {
-        Self::new("glossary", "Glossary", glossary(words))
+    /// The glossary, folded; `from_rest` as in [`acts`].
+    pub(super) fn glossary(words: &[(&str, &str)], from_rest: Option<bool>) -> Self {
+        Self::new("glossary", "Glossary", glossary(words, acts(from_rest)))
     }
 
     pub(super) fn new(id: &'static str, name: &'static str, content: Markup) -> Self {
@@ -116,7 +120,7 @@ impl Section {
 pub(super) fn made_by(origin: &Origin) -> Markup {
     let files: Vec<&str> = origin.inputs.iter().map(|input| input.name.as_str()).collect();
     let files = if files.is_empty() { "no input files".to_owned() } else { files.join(", ") };
-    html! { "flexlink " (origin.version) " " (origin.command) " · " (files) }
+    html! { "flexlink " (origin.version) " " (origin.command) " · " (own(files)) }
 }
 
 /// Figures of a page, and missing ones with reasons.
@@ -181,7 +185,7 @@ fn figure_markup(figure: &Figure) -> Markup {
 pub(super) fn inputs(origin: &Origin) -> Section {
     let files = html! {
         @for input in &origin.inputs {
-            tr { th scope="row" { (input.role) } td { (input.name) } td { code { (input.sha256) } } }
+            tr { th scope="row" { (input.role) } td { (own(&input.name)) } td { code { (input.sha256) } } }
         }
     };
     let content = html! {
@@ -240,7 +244,7 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
         more,
         named("remarks", "Remarks", advice(&told(view, |arm| &arm.remarks), false)),
         named("link", "Link", view.link.map(|run| drawing(run.link))),
-        Some(Section::glossary(&GLOSSARY)),
+        Some(Section::glossary(&GLOSSARY, Some(view.is_arm() || view.has_weight()))),
         beside(view).map(|content| Section::new("beside", "Side by side", content)),
         Some(Section::new("results", "Results", tables)),
         named("errors", "Errors", errors),
@@ -251,7 +255,7 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
     let origin = html! {
         @for (k, arm) in view.runs.iter().enumerate() {
             @if k > 0 { br; }
-            @if view.runs.len() > 1 { strong { (arm.name) } " " }
+            @if view.runs.len() > 1 { strong { (own(&arm.name)) } " " }
             (made_by(&arm.origin))
         }
     };
@@ -270,13 +274,16 @@ pub(super) fn with_others<'a>(title: &str, others: impl Iterator<Item = &'a Stri
     }
 }
 
-/// Warnings or remarks of all runs, each with its hint; for several runs with the name of the run.
+/// Warnings or remarks of all runs, which have the words of their joints, each with its hint; for several runs with the
+/// name of the run.
 fn told(view: &View, of: fn(&StoredRun) -> &Vec<Notice>) -> Vec<(String, String)> {
     let mut all = Vec::new();
     for arm in view.runs {
         let name = format!("{}: ", arm.name);
         let name = if view.runs.len() > 1 { &name } else { "" };
-        all.extend(of(arm).iter().map(|own| (name.to_owned() + &own.message, own.hint.clone())));
+        all.extend(
+            of(arm).iter().map(|told| (own(name.to_owned() + &told.message), own(&told.hint))),
+        );
     }
     all
 }
@@ -319,10 +326,10 @@ fn tables(view: &View, errors: Option<&Markup>) -> Markup {
         @if is_arm { (joints(first)) }
         div class="columns" {
             @if !first.readings.is_empty() {
-                (readings(view.pick("Results", "Whole arm"), &results(&first.readings)))
+                (readings(view.pick("Results", "Whole arm"), &results(&of_whole(first))))
             }
             @if let Some(carriage) = &first.carriage {
-                (readings("Carriage", &results(&carriage.joint.readings)))
+                (readings("Carriage", &results(&of_carriage(carriage))))
             }
             @for k in 0..=last { (link(k)) }
         }

@@ -9,6 +9,7 @@ use maud::{Markup, html};
 use super::axis::{Axis, TIME, digits, in_unit};
 use super::colour_map::{ColourMap, Fields, Hatch};
 use super::figure::{Curve, Figure, Mark, Stroke, thinned};
+use super::words::letters;
 
 /// Approximate width of a letter.
 const LETTER: f64 = 6.6;
@@ -307,7 +308,7 @@ impl Figure {
         let mut shown = Vec::new();
         for mark in self.marks.iter().filter(|mark| mark.class == class) {
             let at = LEFT + width * self.x.share(mark.at);
-            let long = 6.0 + LETTER * mark.label.chars().count() as f64;
+            let long = 6.0 + LETTER * letters(&mark.label) as f64;
             let x = if at + long < LEFT + width { at + 3.0 } else { at - long };
             if x >= free {
                 free = x + long;
@@ -327,7 +328,7 @@ impl Figure {
         let mut at = LEFT;
         let placed = lines.chain(spans).chain(backdrop).map(|(name, class, is_line)| {
             let x = at;
-            at += 34.0 + LETTER * name.chars().count() as f64 + 14.0;
+            at += 34.0 + LETTER * letters(name) as f64 + 14.0;
             (x, name, class, is_line)
         });
         html! {
@@ -392,7 +393,7 @@ fn map_legend(map: &ColourMap) -> Markup {
     let mut at = LEFT;
     let placed = kinds.chain(hatched).map(|(name, class)| {
         let x = at;
-        at += 34.0 + LETTER * name.chars().count() as f64 + 14.0;
+        at += 34.0 + LETTER * letters(&name) as f64 + 14.0;
         let stripes = if class.ends_with("hatched") { "m4,15l15,-15m-7,15l14,-14" } else { "" };
         (x, name, class, format!("M{x},9h26v15h-26z{stripes}"))
     });

@@ -2,16 +2,13 @@
 
 use std::borrow::Cow;
 use std::ops::Range;
-use std::sync::Arc;
-
-use maud::{PreEscaped, html};
-use resvg::{tiny_skia, usvg};
 
 use super::axis::{Axis, digits, drawn_points, in_unit};
 use super::colour_map::{ColourMap, Fields};
-use crate::text::{given, significant, visible_document};
+use crate::link::Link;
+use crate::text::{given, significant};
 
-/// Content of a figure in numbers; [`Figure::svg_file`] and [`Figure::png_file`] draw it.
+/// Content of a figure in numbers; [`Figures::svg_file`] and [`Figures::png_file`] draw it.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
     /// Name of the file, and anchor in a page: `torque`.
@@ -169,6 +166,8 @@ pub struct Figures {
     pub drawn: Vec<Figure>,
     /// Titles of missing figures, with reasons: `waves, since no nodal displacements were written`.
     pub omitted: Vec<String>,
+    /// The first link of the result, whose joint and output the words are of.
+    pub(super) link: Option<Link>,
 }
 
 impl Figures {
@@ -191,6 +190,9 @@ impl Figures {
 
 /// Largest number of rows in the table below a figure.
 const ROWS: usize = 16;
+
+/// Largest number of dots in the table below a figure.
+const DOTS: usize = 200;
 
 /// Number of rows of a map over time in its table.
 const MAP_ROWS: usize = 5;
@@ -264,6 +266,9 @@ impl Figure {
             _ => (thinned(&self.curves), self.y.unit.as_str(), ROWS, DIGITS),
         };
         lines.retain(|line| line.stroke.has_values());
+        if !lines.is_empty() && lines.iter().all(|line| matches!(line.stroke, Stroke::Points(_))) {
+            return self.table_of_dots(&lines);
+        }
         let Some(first) = lines.first() else { return (vec![], vec![]) };
         let text =
             |value: f64| if value.is_finite() { digits(value, digit_count) } else { String::new() };
@@ -275,6 +280,25 @@ impl Figure {
             std::iter::once(text(x)).chain(values).collect()
         };
         (head, evenly(first.points.len(), most_rows).into_iter().map(row).collect())
+    }
+
+    /// The table of a figure of dots: a row for each, since several may stand over one x, with the name of its kind if
+    /// there are several. The page's script writes the same to the CSV file.
+    fn table_of_dots(&self, kinds: &[Curve]) -> (Vec<String>, Vec<Vec<String>>) {
+        let mut dots: Vec<((f64, f64), &String)> = Vec::new();
+        for kind in kinds {
+            dots.extend(kind.points.iter().map(|dot| (*dot, &kind.name)));
+        }
+        dots.retain(|((_, value), _)| value.is_finite());
+        dots.sort_by(|(a, _), (b, _)| a.0.total_cmp(&b.0));
+        let columns = if kinds.len() > 1 { 3 } else { 2 };
+        let cells = |all: [String; 3]| all.into_iter().take(columns).collect::<Vec<_>>();
+        let row = |k: usize| {
+            let ((x, value), kind) = &dots[k];
+            cells([digits(*x, DIGITS), digits(*value, DIGITS), (*kind).clone()])
+        };
+        let rows = evenly(dots.len(), DOTS).into_iter().map(row).collect();
+        (cells([self.x.title(), self.y.title(), "case".to_owned()]), rows)
     }
 
     /// All rows of a map of fields, or some rows of a map over time, as lines over x.
@@ -323,53 +347,6 @@ pub(super) fn thinned(curves: &[Curve]) -> Vec<Curve> {
 pub(super) fn evenly(len: usize, most: usize) -> Vec<usize> {
     let count = len.min(most);
     (0..count).map(|k| if count < 2 { 0 } else { k * (len - 1) / (count - 1) }).collect()
-}
-
-/// Style sheet of a figure's SVG file: the light colours of the page.
-pub(super) const STYLE: &str = include_str!("figure.css");
-
-/// Font of the pictures, the same on every machine.
-const FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
-
-/// Pixels of a picture per unit of the drawing.
-const SCALE: f32 = 2.0;
-
-impl Figure {
-    /// The figure as an SVG file, with its styles, title and caption inside.
-    pub fn svg_file(&self) -> String {
-        let drawing = self.svg().into_string();
-        let head_len = drawing.find('>').map_or(0, |end| end + 1);
-        let (head, rest) = drawing.split_at(head_len);
-        let style = html! {
-            title { (self.title) }
-            desc { (self.caption) }
-            style { (PreEscaped(STYLE)) }
-            rect width="100%" height="100%" fill="#ffffff" {}
-        };
-        visible_document(&format!("{head}{}{rest}\n", style.into_string()))
-    }
-
-    /// The figure as a PNG file, two pixels per unit of the drawing, on white.
-    ///
-    /// # Errors
-    /// The renderer's message about a drawing that is too large.
-    pub fn png_file(&self) -> Result<Vec<u8>, String> {
-        let mut fonts = usvg::fontdb::Database::new();
-        fonts.load_font_data(FONT.to_vec());
-        let options = usvg::Options {
-            fontdb: Arc::new(fonts),
-            font_family: "DejaVu Sans".to_owned(),
-            ..usvg::Options::default()
-        };
-        let tree =
-            usvg::Tree::from_str(&self.svg_file(), &options).map_err(|error| error.to_string())?;
-        let size = tree.size().to_int_size().scale_by(SCALE).ok_or("its size is none")?;
-        let mut pixels =
-            tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("its size is none")?;
-        let transform = tiny_skia::Transform::from_scale(SCALE, SCALE);
-        resvg::render(&tree, transform, &mut pixels.as_mut());
-        pixels.encode_png().map_err(|error| error.to_string())
-    }
 }
 
 #[cfg(test)]

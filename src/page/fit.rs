@@ -12,7 +12,7 @@ use crate::fit::{
 };
 use crate::numeric::extremes;
 use crate::result::Origin;
-use crate::text::{plain, significant, visible_document};
+use crate::text::{plain, significant};
 
 /// Content of the page of a fit.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ pub fn fit_page(report: &FitReport) -> String {
     }
     let figures = figures(outcome);
     sections.push(all_figures(&figures));
-    sections.push(Section::glossary(&GLOSSARY));
+    sections.push(Section::glossary(&GLOSSARY, None));
     let values = html! { (values(outcome)) (replacements(replaced, *written)) };
     sections.push(Section::new("values", "Values", values));
     if !outcome.other_answers.is_empty() {
@@ -56,7 +56,7 @@ pub fn fit_page(report: &FitReport) -> String {
     sections.push(Section::new("starts", "Starts", starts(outcome)));
     sections.push(inputs(origin));
     let page = document(&title, &made_by(origin), &sections, "from the fit itself", None);
-    visible_document(&page.into_string())
+    figures.worded(&page.into_string())
 }
 
 /// Reason why no link file is written, and all warnings.

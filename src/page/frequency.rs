@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::axis::Axis;
 use super::figure::{Curve, Figure, Mark, Stroke};
 use super::view::{Single, View, run_stroke};
-use super::words::formula;
+use super::words::{formula, own};
 use crate::beam::Mesh;
 use crate::modal::{Shape, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
 use crate::model::{FrequencyResponse, KeptModes, model_of};
@@ -106,7 +106,7 @@ pub(super) fn transfer(view: &View, run: Single) -> Result<Figure, String> {
     let finite = || all().filter(|s| s.is_finite() && *s > 0.0);
     let range = 0.7 * finite().fold(f64::INFINITY, f64::min)..1.5 * finite().fold(0.0, f64::max);
     let unit = if run.link.joint().slides() { "kg" } else { "kg m" };
-    let name = if others.is_empty() { "flexible link" } else { &view.first().name };
+    let name = if others.is_empty() { "flexible link".to_owned() } else { own(&view.first().name) };
     let y = Axis::logarithmic("|T / a|", unit, range);
     let x = Axis::logarithmic("frequency", "Hz", from_hz..to_hz);
     let marks = marks(&run.arc.mesh, from_hz..to_hz);
@@ -115,7 +115,7 @@ pub(super) fn transfer(view: &View, run: Single) -> Result<Figure, String> {
         backdrop: spectrum.map(|spectrum| spectrum.backdrop(&hertz)),
         curves: [
             vec![
-                Curve::new(name, Stroke::Solid(1), &hertz, &sizes),
+                Curve::new(&name, Stroke::Solid(1), &hertz, &sizes),
                 Curve::new("rigid link", Stroke::Dashed(2), &hertz, &rigid),
             ],
             others,

@@ -6,9 +6,10 @@ use std::fmt::Write as _;
 
 use super::bending::{TRUSTED, bent_m, tip_deflection_m};
 use super::figure::{Curve, Figure, Stroke};
+use super::paper::cited;
 use super::tip::{at_times, motion_formula};
 use super::view::{COLOURS, Single, View, peak_words, run_stroke};
-use super::words::{cited, formula};
+use super::words::{Of, formula, own};
 use crate::elastica::SecondOrder;
 use crate::link::{Drive, Joint};
 use crate::numeric::largest;
@@ -26,7 +27,7 @@ fn of_joint(view: &View, (joint, name): (usize, &str), of: fn(&StoredJoint) -> B
     let known: Vec<_> = view.runs.iter().filter_map(rigid).collect();
     if let Some((arm, rigid)) = known.first() {
         let name = view.pick("rigid link", "rigid arm");
-        let of_run = if known.len() > 1 { format!(", {}", arm.name) } else { String::new() };
+        let of_run = if known.len() > 1 { format!(", {}", own(&arm.name)) } else { String::new() };
         let name = format!("{name}{of_run}");
         curves.push(view.curve(&name, Stroke::Dashed(2), &arm.times_s, rigid));
     }
@@ -102,7 +103,8 @@ pub(super) fn carriage(view: &View) -> Vec<Figure> {
         let mut caption = format!("At most {peak} {unit}.");
         caption.push_str(&Curve::add_limit(&mut curves, (Some(limit), 0.0), ("", unit), 1));
         let id = format!("carriage-{axis}");
-        Some(view.figure(id, title, caption, (axis, unit), curves))
+        let figure = view.figure(id, title, caption, (axis, unit), curves);
+        Some(figure.by(formula_of_limit(key, Of::Carriage)?))
     });
     [figure.by(formula::CARRIAGE_FORCE), place].into_iter().chain(limited).collect()
 }
@@ -128,18 +130,18 @@ fn timing_words([lead_s, lag_s]: [Option<f64>; 2], from_rest: bool) -> String {
     let (lead, lag) = (before(lead_s, 4), after(lag_s, 4));
     if lead_s > 0.0 && lag_s > 0.0 && !from_rest {
         return format!(
-            " Bending waves take time: it acts, at the 2 % level, from {lead} the tip moves until {lag} it has stopped \
-             (shaded)."
+            " Bending waves take time: the torque acts, at the 2 % level, from {lead} the tip moves until {lag} it has \
+             stopped (shaded)."
         );
     }
     let start = if lead_s >= 0.0 { "the tip sets out" } else { "the tip has set out" };
     let stop = if lag_s >= 0.0 { "it has stopped" } else { "it stops" };
-    let acts = if from_rest {
-        "differs from its value at rest by more than 2 % of its range"
-    } else {
-        "acts, at the 2 % level,"
-    };
-    format!(" It {acts} from {lead} {start} until {lag} {stop}.")
+    if from_rest {
+        return format!(
+            " The torque leaves its value at rest (2 % of its range) {lead} {start}, and returns to it {lag} {stop}."
+        );
+    }
+    format!(" The torque acts, at the 2 % level, from {lead} {start} until {lag} {stop}.")
 }
 
 /// Angle of a joint, flexible and rigid; for the first joint relative to a fixed direction.
@@ -150,9 +152,10 @@ pub(super) fn angle(view: &View, joint: usize) -> Figure {
         format!("Angle that an encoder measures: of the link's root against {against}."),
     );
     if view.is_solved() && !view.is_arm() {
+        let two = if view.runs.len() > 1 { "its two" } else { "the two" };
         caption = format!(
             "Angle that an encoder at the hub measures; the hub of a rigid link would turn as the tip does{}. The \
-             gap between the two curves is bending.",
+             gap between {two} curves is bending.",
             cited(view, [Some(6), None])
         );
     }
@@ -276,12 +279,16 @@ pub(super) const LIMITED: [Limited; 7] = [
 ];
 
 /// Formula of the quantity with this limit.
-pub(super) fn formula_of_limit(key: &str) -> Option<&'static str> {
-    let others =
-        [("deflection", formula::TIP_DEFLECTION), ("bending_moment", formula::ROOT_MOMENTS)];
+pub(super) fn formula_of_limit(key: &str, of: Of) -> Option<String> {
+    // Only the links of an arm are measured by their chords.
+    let deflection = match of {
+        Of::Joint => formula::LINK_DEFLECTION,
+        Of::Hub | Of::Carriage => formula::TIP_DEFLECTION,
+    };
+    let others = [("deflection", deflection), ("bending_moment", formula::ROOT_MOMENTS)];
     let topics = LIMITED.iter().chain([&MOTOR_TORQUE]).map(|own| (own.quantity.1, own.formula));
     let key = key.replace("rms_", "");
-    topics.chain(others).find(|(own, _)| *own == key).map(|(_, formula)| formula)
+    topics.chain(others).find(|(own, _)| *own == key).map(|(_, formula)| of.words(formula))
 }
 
 fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Cow<'static, [f64]> {
@@ -308,7 +315,8 @@ impl Limited {
         let figure = figure(view, joint, id, (&title, caption), self.quantity, curves);
         let drive = view.first().links.get(joint).and_then(|own| own.link.drive());
         let is_lossy = self.id == MOTOR_TORQUE.id && drive.is_some_and(Drive::has_losses);
-        Some(figure.by(if is_lossy { formula::LOSSY_MOTOR } else { self.formula }))
+        let formula = if is_lossy { formula::LOSSY_MOTOR } else { self.formula };
+        Some(figure.by(view.kind().words(formula)))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::words::own;
 use crate::link::{Damping, Drive, Joint, Link, Segment};
 use crate::numeric::rounded;
 use crate::text::significant;
@@ -136,7 +137,7 @@ fn dimensions(link: &Link, borders: &[f64], at: impl Fn(f64) -> f64) -> Markup {
             @if let Some(name) = segment.name.as_ref().filter(|name| 7.0 * name.chars().count() as f64 <= to - from + 12.0) {
                 @let is_crowded = NARROW_LETTER * (name.chars().count() + 2) as f64 > to - from;
                 text class=(class(is_crowded)) x=(format!("{:.1}", 0.5 * (from + to))) y=(line - 8.0)
-                    text-anchor="middle" { (name) }
+                    text-anchor="middle" { (own(name)) }
             }
         }
     }
@@ -166,7 +167,7 @@ pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
     let mut rows: Vec<(String, String)> = rows.collect();
     for (k, segment) in link.segments().iter().enumerate() {
         let name = segment.name.clone().unwrap_or_else(|| k.to_string());
-        rows.push((format!("segment {name}"), segment_words(segment)));
+        rows.push((format!("segment {}", own(name)), segment_words(segment)));
     }
     for mass in link.masses() {
         let place = format!("mass at {}", given(mass.at_m, "m"));
@@ -180,7 +181,8 @@ pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
         rows.push(("payload".to_owned(), words));
     }
     rows.push(("damping".to_owned(), damping_words(link.damping())));
-    rows.extend(link.drive().map(|drive| ("drive".to_owned(), drive_words(drive))));
+    let slides = link.joint().slides();
+    rows.extend(link.drive().map(|drive| ("drive".to_owned(), drive_words(drive, slides))));
     if let Some(gravity) = link.gravity() {
         let [along_x, along_y] = gravity.acceleration_m_s2.map(|part| given(part, "m/s²"));
         rows.push(("gravity".to_owned(), format!("{along_x} along x, {along_y} along y")));
@@ -188,19 +190,23 @@ pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
         let start = start.unwrap_or_else(|| "that of the motion".into());
         rows.push(("start angle".to_owned(), start));
     }
-    rows
+    // Values have the units of this joint.
+    rows.into_iter().map(|(name, value)| (name, own(value))).collect()
 }
 
-fn drive_words(drive: &Drive) -> String {
-    let (ratio, rotor) = (given(drive.gear_ratio, ""), given(drive.rotor_inertia_kg_m2, "kg m²"));
+fn drive_words(drive: &Drive, slides: bool) -> String {
+    let [ratio, effort, per_motion] =
+        if slides { ["rad/m", "N", "N/m"] } else { ["", "N m", "N m/rad"] };
+    let ratio = given(drive.gear_ratio, ratio);
+    let rotor = given(drive.rotor_inertia_kg_m2, "kg m²");
     let stiffness = drive.joint_stiffness_n_m_rad;
-    let joint = if stiffness.is_finite() { given(stiffness, "N m/rad") } else { "stiff".into() };
+    let joint = if stiffness.is_finite() { given(stiffness, per_motion) } else { "stiff".into() };
     let parts = [
         (drive.efficiency < 1.0, "efficiency", given(drive.efficiency, "")),
         (
             drive.coulomb_friction_n_m > 0.0,
             "Coulomb friction",
-            given(drive.coulomb_friction_n_m, "N m"),
+            given(drive.coulomb_friction_n_m, effort),
         ),
     ];
     let constants = [

@@ -12,6 +12,8 @@ mod frequency;
 mod joint;
 mod link;
 mod motion;
+mod paper;
+mod picture;
 mod robust;
 mod sweep;
 mod swept;
@@ -25,17 +27,21 @@ pub use figure::{Figure, Figures};
 pub use fit::{FitReport, fit_page};
 
 use crate::store::StoredResult;
-use crate::text::visible_document;
 use view::View;
 
 impl Figures {
     /// All figures of a result.
     pub fn of(result: &StoredResult) -> Self {
-        match result {
-            StoredResult::Runs(runs) => run_figures(&View::of(runs)),
-            StoredResult::Sweep(sweep) => swept::sweep_figures(sweep),
-            StoredResult::Robust(studies) => robust::robust_figures(studies),
-        }
+        let (figures, link) = match result {
+            StoredResult::Runs(runs) => {
+                (run_figures(&View::of(runs)), runs[0].links.first().map(|own| &own.link))
+            }
+            StoredResult::Sweep(sweep) => (swept::sweep_figures(sweep), sweep.links.first()),
+            StoredResult::Robust(studies) => {
+                (robust::robust_figures(studies), studies[0].links.first())
+            }
+        };
+        Self { link: link.cloned(), ..figures }
     }
 }
 
@@ -46,16 +52,7 @@ pub fn page(result: &StoredResult, figures: &Figures) -> String {
         StoredResult::Sweep(sweep) => sweep::sweep_page(sweep, figures),
         StoredResult::Robust(studies) => robust::robust_page(studies, figures),
     };
-    let link = match result {
-        StoredResult::Runs(runs) => runs[0].links.first().map(|own| &own.link),
-        StoredResult::Sweep(sweep) => sweep.links.first(),
-        StoredResult::Robust(studies) => studies[0].links.first(),
-    };
-    let document = document.into_string();
-    visible_document(&match link {
-        Some(link) => words::worded(link, document),
-        None => document,
-    })
+    figures.worded(&document.into_string())
 }
 
 fn run_figures(view: &View) -> Figures {

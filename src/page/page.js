@@ -121,6 +121,12 @@ function heightAt({ xs, ys }, u) {
 	return past < 1e-6 || i + 1 === xs.length ? ys[i] : mix(ys[i], ys[i + 1], past / (xs[i + 1] - xs[i]));
 }
 
+// The heights of a line at u: of single dots those of all that stand there, of any other the one between its points.
+function heightsAt({ look, points }, u) {
+	const all = look.endsWith("points") ? points.ys.filter((_, i) => Math.abs(points.xs[i] - u) < 0.02) : [heightAt(points, u)];
+	return all.filter((y) => y === y);
+}
+
 // An axis runs evenly over scaled values (log10 on a log axis), from 0 to `length` units of the plot.
 function axisOf(node, letter, length) {
 	const data = (name) => node.getAttribute(`data-${letter}${name}`) || "";
@@ -188,6 +194,7 @@ function bringToLife(figure) {
 		name: path.dataset.name, look: path.getAttribute("class"), points: pointsOf(path),
 		axis: path.dataset.y ? upAxisOf(path) : Y,
 	}));
+	const isOfDots = series.length > 0 && series.every(({ look }) => look.endsWith("points")) && !find(".bars.broad");
 	// Between dots, which are single cases, nothing is known: the cursor goes from one to the next.
 	const stops = [...new Set([...zoomed.querySelectorAll(".dots")].flatMap((path) => pointsOf(path).xs))].sort((a, b) => a - b);
 
@@ -214,6 +221,13 @@ function bringToLife(figure) {
 			return [[inUnit(X.name, X.unit), ...head], ...motion.times_s.map((t, i) => [t, ...bending[i]])];
 		}
 		if (map) return [...figure.querySelectorAll(".numbers tr")].map(({ cells }) => [...cells].map((cell) => cell.textContent.replaceAll("−", "-")));
+		// Several dots may stand over one x: each is a row. The same as Figure::table_of_dots.
+		if (isOfDots) {
+			const dots = series.flatMap(({ name, points: { xs, ys } }) => xs.map((u, i) => [u, ys[i], name]).filter(([, y]) => y === y));
+			const cellsOf = (cells) => cells.slice(0, series.length > 1 ? 3 : 2);
+			const row = ([u, y, name]) => cellsOf([X.exact(X.value(X.toScaled(u))), Y.exact(Y.value(Y.toScaled(y))), name]);
+			return [cellsOf([inUnit(X.name, X.unit), inUnit(Y.name, Y.unit), "case"]), ...dots.sort(([a], [b]) => a - b).map(row)];
+		}
 		const rows = new Map();
 		series.forEach(({ points: { xs, ys }, axis }, column) => xs.forEach((u, i) => {
 			if (ys[i] !== ys[i]) return;
@@ -323,9 +337,9 @@ function bringToLife(figure) {
 		upright(atCursor, x);
 		atX.textContent = X.read(s, b - a);
 		for (const one of series) {
-			const y = heightAt(one.points, X.toUnits(s)), known = y === y;
-			one.value.textContent = known ? one.axis.read(one.axis.toScaled(y)) : "none";
-			set(one.dot, { d: known ? `M${x},${y}h0` : "" });
+			const all = heightsAt(one, X.toUnits(s)).sort((a, b) => b - a), ends = all.length > 1 ? [all[0], all.at(-1)] : all;
+			one.value.textContent = ends.map((y) => one.axis.read(one.axis.toScaled(y))).join(" … ") || "none";
+			set(one.dot, { d: all.map((y) => `M${x},${y}h0`).join("") });
 		}
 		if (map) {
 			const y = Y.toUnits(row);

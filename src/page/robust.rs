@@ -13,7 +13,7 @@ use super::figure::{Curve, Figure, Figures, Mark, Stroke};
 use super::sweep::links_drawn;
 use super::tables::{readings, table};
 use super::view::run_stroke;
-use super::words::{MEASURES, formula};
+use super::words::{MEASURES, formula, own, worded_text};
 use crate::compare::Cell;
 use crate::robust::{
     Help, Inside, KeyOutcome, Measure, OverLimit, PlantKind, StoredRobust, share_words,
@@ -38,7 +38,7 @@ pub(super) fn robust_figures(studies: &[StoredRobust]) -> Figures {
     figures.add(sample(studies));
     if !others.is_empty() {
         let why = "since these figures hold one";
-        let alone = format!("values of other studies than {}, {why}", study.name);
+        let alone = format!("values of other studies than {}, {why}", own(&study.name));
         figures.omitted.push(alone);
     }
     figures
@@ -80,8 +80,8 @@ fn marked<L: Into<String>>(
 }
 
 /// Name of a line, with that of the study if there are several.
-fn named(studies: &[StoredRobust], own: &StoredRobust, line: &str) -> String {
-    if studies.len() > 1 { format!("{line}, {}", own.name) } else { line.to_owned() }
+fn named(studies: &[StoredRobust], study: &StoredRobust, line: &str) -> String {
+    if studies.len() > 1 { format!("{line}, {}", own(&study.name)) } else { line.to_owned() }
 }
 
 /// Lowest and highest error over time, of all studies.
@@ -141,7 +141,7 @@ fn bars(study: &StoredRobust, keys: &[&KeyOutcome]) -> Figure {
     };
     let strokes = [Stroke::Columns(1), Stroke::Points(2), Stroke::Points(3)];
     let curves = Measure::ALL.into_iter().zip(strokes).map(curve).collect();
-    let labels: Vec<String> = keys.iter().map(|own| own.key.name()).collect();
+    let labels: Vec<String> = keys.iter().map(|outcome| own(outcome.key.name())).collect();
     let label =
         |(name, own): (&String, &&KeyOutcome)| format!("{name}: {}", share_words(own.share));
     let shares = labels.iter().zip(keys).map(label);
@@ -160,8 +160,8 @@ fn bars(study: &StoredRobust, keys: &[&KeyOutcome]) -> Figure {
 }
 
 /// Errors over one key, the others as in the file.
-fn over_key(study: &StoredRobust, number: usize, own: &KeyOutcome) -> Figure {
-    let (key, summary) = (&own.key, &study.summary);
+fn over_key(study: &StoredRobust, number: usize, outcome: &KeyOutcome) -> Figure {
+    let (key, summary) = (&outcome.key, &study.summary);
     let place = 1 + summary.keys().position(|other| other == key).unwrap_or(0);
     // The first row is that of the file.
     let nominal = 0;
@@ -184,19 +184,20 @@ fn over_key(study: &StoredRobust, number: usize, own: &KeyOutcome) -> Figure {
     let curves = Measure::ALL.into_iter().zip(1..).map(curve).collect();
     let ends = alone.first().zip(alone.last()).map_or(key.ends, |(low, high)| [low.0, high.0]);
     let margin = 0.03 * (ends[1] - ends[0]);
-    let x = Axis::linear(&key.name(), &raised(key.unit()), ends[0] - margin..ends[1] + margin);
-    let worst = own.worst[0];
+    let [name, unit] = [key.name(), raised(key.unit())].map(own);
+    let x = Axis::linear(&name, &unit, ends[0] - margin..ends[1] + margin);
+    let worst = outcome.worst[0];
     let file = key.nominal.map_or("The file has no such value".to_owned(), |nominal| {
-        format!("The file has {}", key.amount(nominal))
+        format!("The file has {}", own(key.amount(nominal)))
     });
-    let (size, at) = (summary.percent(worst.size_m), key.amount(worst.value));
-    let inside = inside_words(study, own);
+    let (size, at) = (summary.percent(worst.size_m), own(key.amount(worst.value)));
+    let inside = inside_words(study, outcome);
     let caption = format!(
         "All other values as in the file. {file}; the tip error is largest at {at}: {size}.{}",
         if inside.is_empty() { String::new() } else { format!(" Not monotone: {inside}.") }
     );
     let marks = [(key.nominal, "in the file"), (Some(worst.value), "worst")];
-    let title = format!("Over {}", key.name());
+    let title = format!("Over {name}");
     let id = format!("key-{number}");
     let figure = Figure::of_curves(id, &title, caption, x, ("error of the travel", "%"), curves);
     marked(figure, marks).by(formula::STRAYS)
@@ -222,7 +223,8 @@ fn sample(studies: &[StoredRobust]) -> Result<Figure, String> {
         Curve::new(&named(studies, own, "plants below"), run_stroke(*k), sizes, &shares)
     };
     let curves = all.iter().filter(|(.., sizes)| sizes.len() > 1).map(curve).collect();
-    let of_one = if studies.len() > 1 { format!(" of {}", study.name) } else { String::new() };
+    let of_one =
+        if studies.len() > 1 { format!(" of {}", own(&study.name)) } else { String::new() };
     let caption = format!(
         "Share of the {} drawn plants whose tip error is smaller, with the quantiles{of_one}.",
         all[0].2.len()
@@ -239,10 +241,18 @@ fn sample(studies: &[StoredRobust]) -> Result<Figure, String> {
     Ok(marked(figure, marks).by(formula::SAMPLE))
 }
 
+/// A text in the words of the joint of its study, which may differ from that of the first.
+fn in_its_words(study: &StoredRobust, text: &str) -> String {
+    own(study.links.first().map_or_else(|| text.to_owned(), |link| worded_text(link, text, "")))
+}
+
 /// Worst and drawn plants of all studies, and their inputs, side by side.
 fn beside(studies: &[StoredRobust]) -> Markup {
-    let names: Vec<&str> = studies.iter().map(|own| own.name.as_str()).collect();
-    let head = [&["measure"], &names[..]].concat();
+    let names: Vec<String> = studies.iter().map(|study| own(&study.name)).collect();
+    let head = [&["measure".to_owned()], &names[..]].concat();
+    let played = |study: &StoredRobust| {
+        in_its_words(study, &study.summary.played_words(study.links.len() > 1))
+    };
     let worst = |own: &StoredRobust, measure: Measure| {
         let found = own.summary.worst.iter().find(|own| own.measure == measure);
         found.map_or(String::new(), |found| own.summary.both(found.size_m))
@@ -264,7 +274,7 @@ fn beside(studies: &[StoredRobust]) -> Markup {
         }
         tr {
             th scope="row" { "played" }
-            @for own in studies { td { (own.summary.played_words(own.links.len() > 1)) } }
+            @for study in studies { td { (played(study)) } }
         }
     };
     let origins: Vec<_> = studies.iter().map(|own| &own.origin).collect();
@@ -280,7 +290,9 @@ pub(super) fn robust_page(studies: &[StoredRobust], figures: &Figures) -> Markup
     };
     let told = studies.iter().flat_map(|study| {
         let of = if studies.len() > 1 { format!("{}: ", study.name) } else { String::new() };
-        study.warnings.iter().map(move |own| (format!("{of}{}", own.message), own.hint.clone()))
+        let in_words = |text: &str| in_its_words(study, text);
+        let told = study.warnings.iter();
+        told.map(move |told| (own(of.clone() + &in_words(&told.message)), in_words(&told.hint)))
     });
     let warnings = advice(&told.collect::<Vec<_>>(), true).map(Section::warnings);
     let beside = (studies.len() > 1).then(|| beside(studies));
@@ -288,7 +300,7 @@ pub(super) fn robust_page(studies: &[StoredRobust], figures: &Figures) -> Markup
     let sections = [
         Some(all_figures(figures)),
         Some(Section::new("link", "Link", links_drawn(&study.links))),
-        Some(Section::glossary(&MEASURES)),
+        Some(Section::glossary(&MEASURES, None)),
         beside,
         Some(Section::new("results", "Results", results(study))),
         Some(Section::new("keys", "Values", keys(study))),
@@ -297,10 +309,10 @@ pub(super) fn robust_page(studies: &[StoredRobust], figures: &Figures) -> Markup
     let sections: Vec<Section> =
         warnings.into_iter().chain(sections.into_iter().flatten()).collect();
     let origin = html! {
-        @for (k, own) in studies.iter().enumerate() {
+        @for (k, study) in studies.iter().enumerate() {
             @if k > 0 { br; }
-            @if studies.len() > 1 { strong { (own.name) } " " }
-            (made_by(&own.origin))
+            @if studies.len() > 1 { strong { (own(&study.name)) } " " }
+            (made_by(&study.origin))
         }
     };
     let title = with_others(&title, studies[1..].iter().map(|own| &own.name));
@@ -407,10 +419,11 @@ fn keys(study: &StoredRobust) -> Markup {
 }
 
 /// Worst values inside the interval of a key.
-fn inside_words(study: &StoredRobust, own: &KeyOutcome) -> String {
+fn inside_words(study: &StoredRobust, outcome: &KeyOutcome) -> String {
     let words = |inside: &Inside| {
-        let (size, at) = (study.summary.percent(inside.size_m), own.key.amount(inside.value));
+        let at = own(outcome.key.amount(inside.value));
+        let size = study.summary.percent(inside.size_m);
         format!("{} {size} at {at}", inside.measure.word())
     };
-    own.inside.iter().map(words).collect::<Vec<_>>().join(", ")
+    outcome.inside.iter().map(words).collect::<Vec<_>>().join(", ")
 }

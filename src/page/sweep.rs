@@ -8,8 +8,9 @@ use super::document::{FILES, Section, all_figures, document, inputs, made_by};
 use super::figure::Figures;
 use super::link::{link_drawing, link_readings};
 use super::swept::Named;
+use super::swept_quantities::from_rest;
 use super::tables::{readings, table};
-use super::words::{GLOSSARY, warning_meaning};
+use super::words::{GLOSSARY, own, warning_meaning};
 use crate::compare::Cell;
 use crate::link::Link;
 use crate::result::StoredSweep;
@@ -31,7 +32,7 @@ pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
     );
     let origin = html! {
         @if let Some(origin) = &sweep.origin { (made_by(origin)) " · " }
-        (sweep.name) " · " (cases) @if cases == 1 { " case" } @else { " cases" }
+        (own(&sweep.name)) " · " (cases) @if cases == 1 { " case" } @else { " cases" }
     };
     let mut sections = Vec::new();
     let kinds = kinds_of_warnings(sweep);
@@ -42,7 +43,7 @@ pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
     sections.extend(
         (!sweep.links.is_empty()).then(|| Section::new("link", "Link", links(&sweep.links))),
     );
-    sections.push(Section::glossary(&GLOSSARY));
+    sections.push(Section::glossary(&GLOSSARY, from_rest(sweep)));
     sections.push(Section::new("varied", "What is varied", varied_values(sweep)));
     sections.push(Section::new("cases", "Cases", cases_table(sweep)));
     sections.extend(sweep.origin.as_ref().map(inputs));
@@ -76,13 +77,28 @@ fn warnings(kinds: &[(String, usize, usize)], sweep: &StoredSweep) -> Markup {
     html! {
         ul { @for (kind, count, first) in kinds {
             li {
-                strong { (kind.replace('_', " ").replace(':', ": ")) } " "
+                strong { (kind_words(kind)) } " "
                 span class="hint" {
                     (count) " of " (cases) " cases, the first is row " (first) ": " (values(first - 1)) "."
                     @if let Some(meaning) = warning_meaning(kind) { " " (meaning) }
                 }
             }
         } }
+    }
+}
+
+/// A kind of warning in words, with the name of a limit as the figures have it.
+fn kind_words(kind: &str) -> String {
+    let words = kind.replace('_', " ");
+    let Some((kind, key)) = words.split_once(':') else { return words };
+    match key.split_once('.') {
+        Some(("carriage", key)) if key.contains("carriage") => format!("{kind}: {key}"),
+        Some((owner, key)) => {
+            let number = owner.trim_start_matches("joint");
+            let owner = if number == owner { owner.to_owned() } else { format!("joint {number}") };
+            format!("{kind}: {}, {owner}", key.replace("hub ", ""))
+        }
+        None => format!("{kind}: {key}"),
     }
 }
 
@@ -121,7 +137,7 @@ fn varied_values(sweep: &StoredSweep) -> Markup {
         let (listed, count) = (listed.join(", "), seen.len());
         let more =
             if count > MOST_VALUES { format!(", … ({count} values)") } else { String::new() };
-        (named.heading(), listed + &more)
+        (named.heading(), own(listed + &more))
     };
     let rows: Vec<_> = Named::all(sweep).iter().map(row).collect();
     readings("Values", &rows)
@@ -135,9 +151,9 @@ fn cases_table(sweep: &StoredSweep) -> Markup {
         Cell::Number(number) => significant(number, 5),
         Cell::Word(word) => word.to_owned(),
     };
-    let head: Vec<&str> = sweep.table.names().collect();
+    let head: Vec<String> = sweep.table.names().map(own).collect();
     let rows = html! {
-        @for row in 0..shown { tr { @for column in 0..head.len() { td { (cell(column, row)) } } } }
+        @for row in 0..shown { tr { @for column in 0..head.len() { td { (own(cell(column, row))) } } } }
     };
     html! {
         p {
@@ -148,7 +164,7 @@ fn cases_table(sweep: &StoredSweep) -> Markup {
             }
         }
         @if shown < cases {
-            p { "The first " (shown) " of " (cases) "; " (sweep.name) " holds all." }
+            p { "The first " (shown) " of " (cases) "; " (own(&sweep.name)) " holds all." }
         }
         (table(&head, &rows))
     }

@@ -5,6 +5,7 @@ use super::colour_map::{ColourMap, Colours, Fields, Hatch};
 use super::figure::{Curve, Figure, Figures, Stroke};
 use super::swept_quantities::{Drawn, drawn_quantities};
 use super::view::nearest;
+use super::words::own;
 use crate::compare::TableColumn;
 use crate::result::StoredSweep;
 use crate::text::given;
@@ -40,7 +41,7 @@ impl<'a> Named<'a> {
     fn of(column: &'a TableColumn, si: &str) -> Self {
         let given = column.name().strip_suffix(']').and_then(|heading| heading.split_once(" ["));
         let (name, unit) = given.unwrap_or((column.name(), si));
-        Self { column, name: name.to_owned(), unit: raised(unit) }
+        Self { column, name: own(name), unit: own(raised(unit)) }
     }
 
     /// Name and unit: `payload.mass in kg`.
@@ -53,7 +54,7 @@ impl<'a> Named<'a> {
     pub(super) fn value_words(&self, row: usize) -> String {
         // A text contains its unit.
         let unit = if self.column.number(row).is_finite() { &self.unit[..] } else { "" };
-        format!("{} = {} {unit}", self.name, self.column.text(row)).trim_end().to_owned()
+        own(format!("{} = {} {unit}", self.name, self.column.text(row)).trim_end())
     }
 }
 
@@ -128,7 +129,9 @@ pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     // The value with the most numbers becomes the axis; of equals the last, which varies fastest.
     varied.sort_by_key(|varied| varied.levels.len());
     let is_map = varied.len() == 2 && several.len() == 2;
-    for drawn in drawn_quantities(sweep, varied.len() < 2 && several.len() == 1) {
+    let (all, infeasible) = drawn_quantities(sweep, varied.len() < 2 && several.len() == 1);
+    figures.omitted.extend(infeasible);
+    for drawn in all {
         let why = "which exceeds its limit, since the table has no column of it";
         figures.add(match (&varied[..], several.len()) {
             _ if drawn.lines.is_empty() => Err(format!("{}, {why}", drawn.title)),
@@ -221,13 +224,15 @@ fn over_two(drawn: &Drawn, [x, y]: [&Varied; 2]) -> Figure {
     let hatched = match drawn.limit {
         Some(limit) if !drawn.exceeded.contains(&true) && drawn.binding.is_none() => {
             let limit = format!("{} {}", given(limit), drawn.quantity.1);
-            format!(" No case exceeds the limit of {}.", limit.trim_end())
+            let case = if drawn.failed > 0 { "solved case" } else { "case" };
+            format!(" No {case} exceeds the limit of {}.", limit.trim_end())
         }
         _ => String::new(),
     };
     let range = if drawn.binding.is_some() { String::new() } else { map.range_words() };
+    let failed = if drawn.failed > 0 { ", or where it failed" } else { "" };
     let caption = format!(
-        "{} Each field is a case; empty where there is none.{range}{hatched}",
+        "{} Each field is a case; empty where there is none{failed}.{range}{hatched}",
         drawn.caption
     );
     let figure = Figure::new(drawn.id.clone(), &title, caption, field_axis(x), field_axis(y));

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use super::joint::formula_of_limit;
+use super::words;
 use crate::compare::TableColumn;
 use crate::link::{Joint, MOST_LINKS};
 use crate::result::{Exceeded, JointQuantity, QUANTITIES, StoredSweep};
@@ -23,8 +24,13 @@ pub(super) struct Drawn {
     pub(super) lines: Vec<(String, Vec<f64>)>,
     /// The limit, unless it is varied.
     pub(super) limit: Option<f64>,
+    /// The limit of each case, NaN where the table does not tell, and whether it is varied.
+    limits: Vec<f64>,
+    is_varied: bool,
     /// Whether a case exceeds the limit, which has a warning.
     pub(super) exceeded: Vec<bool>,
+    /// Number of cases without numbers.
+    pub(super) failed: usize,
     /// Names of the limits that bind in some case, and the number of the binding one in each case.
     pub(super) binding: Option<(Vec<String>, Vec<f64>)>,
 }
@@ -60,9 +66,12 @@ const OF_PLAYS: [[&str; 6]; 2] = [
     ],
 ];
 
-/// Quantities in the order of a page: nearness to the limits, peaks, then ratio, lead and lag. `is_single` is true for
-/// one varied value, whose figure has a line for each limit.
-pub(super) fn drawn_quantities(sweep: &StoredSweep, is_single: bool) -> Vec<Drawn> {
+/// Quantities in the order of a page: nearness to the limits, or the reason why it is missing, then peaks, then ratio, lead
+/// and lag. `is_single` is true for one varied value, whose figure has a line for each limit.
+pub(super) fn drawn_quantities(
+    sweep: &StoredSweep,
+    is_single: bool,
+) -> (Vec<Drawn>, Option<String>) {
     let table = &sweep.table;
     let has = |of: Of| QUANTITIES.iter().any(|own| column(sweep, of, own).is_some());
     let joints = (1..=MOST_LINKS).take_while(|joint| has(Of::Joint(*joint))).count();
@@ -83,27 +92,56 @@ pub(super) fn drawn_quantities(sweep: &StoredSweep, is_single: bool) -> Vec<Draw
             quantity: ((*axis).to_owned(), "m".to_owned()),
             lines: vec![((*axis).to_owned(), numbers)],
             limit: None,
+            limits: vec![f64::NAN; table.lines.len()],
+            is_varied: false,
             exceeded: vec![false; table.lines.len()],
+            failed: failed(sweep),
             binding: None,
         })
     });
     let drawn: Vec<Drawn> = of_plays.chain(of_joints).collect();
-    let feasible = feasible(&drawn, table.lines.len(), is_single);
-    feasible.into_iter().chain(drawn).collect()
+    match feasible(&drawn, table.lines.len(), is_single) {
+        None => (drawn, None),
+        Some(Ok(feasible)) => (std::iter::once(feasible).chain(drawn).collect(), None),
+        Some(Err(why)) => (drawn, Some(why)),
+    }
+}
+
+/// Number of cases that failed.
+fn failed(sweep: &StoredSweep) -> usize {
+    let error = sweep.table.column("error");
+    error.map_or(0, |own| {
+        (0..sweep.table.lines.len()).filter(|row| !own.text(*row).is_empty()).count()
+    })
+}
+
+/// How many cases exceed a limit.
+fn over_words(exceeded: &[bool], failed: usize, what: &str) -> String {
+    let over = exceeded.iter().filter(|own| **own).count();
+    if failed == 0 {
+        return format!(" {over} of {} cases exceed {what}.", exceeded.len());
+    }
+    let solved = exceeded.len() - failed;
+    format!(" {over} of {solved} solved cases exceed {what}; {failed} failed.")
+}
+
+/// Whether the torques of all cases start from a value at rest that may differ from 0; `None` where that is not known.
+pub(super) fn from_rest(sweep: &StoredSweep) -> Option<bool> {
+    let is_varied =
+        sweep.table.names().take(sweep.units.len()).any(|name| name.starts_with("gravity"));
+    match &sweep.links[..] {
+        [] => None,
+        [link] => Some(link.has_weight()).filter(|_| !is_varied),
+        _ => Some(true),
+    }
 }
 
 /// Quantity that stands in the figure of the torque.
 const RIGID: &str = "peak_rigid_torque";
 
 /// Quantities with a figure if they have a limit.
-const ON_LIMIT: [&str; 6] = [
-    "rms_torque",
-    "rms_power",
-    "rms_motor_torque",
-    "peak_hub_angle",
-    "peak_hub_acceleration",
-    "peak_free_end_from_rigid",
-];
+const ON_LIMIT: [&str; 5] =
+    ["rms_torque", "rms_power", "rms_motor_torque", "peak_hub_angle", "peak_hub_acceleration"];
 
 /// Column of a quantity in the table.
 fn column<'a>(sweep: &'a StoredSweep, of: Of, own: &JointQuantity) -> Option<&'a TableColumn> {
@@ -148,12 +186,12 @@ fn drawn(sweep: &StoredSweep, of: Of, own: &JointQuantity) -> Option<Drawn> {
             text.replace(", an angle per time squared", "").replace(", an angle per time", "");
         Joint::CARRIAGE.worded(&text)
     };
-    let (limit, is_varied, exceeded) = limit(sweep, of, own);
+    let (limit, is_varied, limits, exceeded) = limit(sweep, of, own);
     let numbers = column(sweep, of, own).and_then(|column| numbers(column, cases));
     if numbers.is_none() && !exceeded.contains(&true) {
         return None;
     }
-    let has_limit = limit.is_some() || exceeded.contains(&true);
+    let has_limit = limits.iter().any(|own| own.is_finite()) || exceeded.contains(&true);
     if ON_LIMIT.contains(&own.name) && !has_limit {
         return None;
     }
@@ -172,9 +210,13 @@ fn drawn(sweep: &StoredSweep, of: Of, own: &JointQuantity) -> Option<Drawn> {
         Of::Carriage => (format!("{id}-carriage"), format!("{title}, carriage")),
     };
     let unit = worded(own.unit.text);
-    let mut caption = match of {
-        Of::Joint(_) => own.what.replace("the hub", "the joint"),
-        Of::Link | Of::Carriage => worded(own.what),
+    let mut caption = match (of, own.of_motor) {
+        (Of::Joint(_), _) if own.name == "peak_deflection" => {
+            "Peak deflection of the link's outer end from the tangent line at its root.".to_owned()
+        }
+        // The rest of the sentence names keys of the motor.
+        (_, Some(_)) => format!("{}.", own.what.split([';', '.']).next().unwrap_or_default()),
+        _ => own.what.replace("link or arm", if of == Of::Link { "link" } else { "arm" }),
     };
     if numbers.iter().flatten().any(|number| *number < 0.0) {
         caption += match own.name {
@@ -183,13 +225,16 @@ fn drawn(sweep: &StoredSweep, of: Of, own: &JointQuantity) -> Option<Drawn> {
             _ => "",
         };
     }
+    caption = match of {
+        Of::Joint(_) => caption.replace("the hub", "the joint"),
+        Of::Link | Of::Carriage => worded(&caption),
+    };
     if is_varied {
         caption += " Its limit is among the varied values, so that no line shows it.";
     }
-    let over = exceeded.iter().filter(|own| **own).count();
-    if over > 0 {
-        // Writing to a string cannot fail.
-        let _ = write!(caption, " {over} of {cases} cases exceed the limit.");
+    let failed = failed(sweep);
+    if exceeded.contains(&true) {
+        caption += &over_words(&exceeded, failed, "the limit");
     }
     let mut lines: Vec<_> = numbers.into_iter().map(|own| (axis.clone(), own)).collect();
     if own.name == "peak_torque" && !lines.is_empty() {
@@ -200,40 +245,71 @@ fn drawn(sweep: &StoredSweep, of: Of, own: &JointQuantity) -> Option<Drawn> {
             lines.push(("rigid".to_owned(), rigid));
         }
     }
-    let formula = formula(own).into_owned();
-    let formula = if on_carriage { worded(&formula) } else { formula };
+    let (kind, from_rest) = match of {
+        Of::Link if on_carriage => (words::Of::Carriage, from_rest(sweep)),
+        Of::Link => (words::Of::Hub, from_rest(sweep)),
+        Of::Joint(_) => (words::Of::Joint, Some(true)),
+        Of::Carriage => (words::Of::Carriage, Some(true)),
+    };
+    let formula = worded(&formula(own, kind, from_rest)).into();
     let quantity = (axis, unit);
-    let formula = formula.into();
-    Some(Drawn { id, title, caption, formula, quantity, lines, limit, exceeded, binding: None })
+    let binding = None;
+    Some(Drawn {
+        id,
+        title,
+        caption,
+        formula,
+        quantity,
+        lines,
+        limit,
+        limits,
+        is_varied,
+        exceeded,
+        failed,
+        binding,
+    })
 }
 
-/// Formula of a quantity.
-fn formula(own: &JointQuantity) -> Cow<'static, str> {
-    match own.name {
-        "peak_torque" => "max |T(t)|.".into(),
-        "torque_ratio" => {
-            "max |T(t)| / max |T_rigid(t)|. It tends to 1 where the link is stiff for this motion.".into()
+/// Formula of a quantity; `from_rest` as in [`words::acts`].
+fn formula(own: &JointQuantity, kind: words::Of, from_rest: Option<bool>) -> String {
+    let acts = |end: &str| {
+        let (peak, range) =
+            ("|T(t)| > 0.02 max |T|", format!("|T(t) − T({end})| > 0.02 (max T − min T)"));
+        match from_rest {
+            Some(true) => range,
+            Some(false) => peak.to_owned(),
+            None => format!("{peak}, or under gravity {range},"),
         }
-        "lead" => "\
-            Start of the tip's motion less the first t with |T(t)| > 0.02 max |T|; of an arm and under gravity with \
-            |T(t) − T(start)| > 0.02 (max T − min T)."
-            .into(),
-        "lag" => "\
-            The last t with |T(t)| > 0.02 max |T| less the end of the tip's motion; of an arm and under gravity with \
-            |T(t) − T(end)| > 0.02 (max T − min T)."
-            .into(),
+    };
+    match own.name {
+        "peak_torque" => "max |T(t)|.".to_owned(),
+        "torque_ratio" => {
+            "max |T(t)| / max |T_rigid(t)|. It tends to 1 where bending is small.".to_owned()
+        }
+        "lead" => format!(
+            "The start of the tip's motion less the first t with {}.",
+            acts("start").trim_end_matches(',')
+        ),
+        "lag" => format!("The last t with {} less the end of the tip's motion.", acts("end")),
         name => {
-            let formula = own.limit_key().and_then(formula_of_limit).unwrap_or_default();
+            let formula = own.limit_key().and_then(|key| formula_of_limit(key, kind));
             let what = if name.starts_with("rms") { "Root mean square" } else { "Largest size" };
-            format!("{what} over time. {formula}").into()
+            format!("{what} over time. {}", formula.unwrap_or_default())
         }
     }
 }
 
-/// Limit of a quantity unless it is varied, whether it is varied, and whether each case exceeds it.
-fn limit(sweep: &StoredSweep, of: Of, own: &JointQuantity) -> (Option<f64>, bool, Vec<bool>) {
+/// Limit of a quantity unless it is varied, whether it is varied, the limit of each case, NaN where the table does not tell
+/// it, and whether each case exceeds it.
+fn limit(
+    sweep: &StoredSweep,
+    of: Of,
+    own: &JointQuantity,
+) -> (Option<f64>, bool, Vec<f64>, Vec<bool>) {
     let cases = sweep.table.lines.len();
-    let Some(key) = own.limit_key() else { return (None, false, vec![false; cases]) };
+    let Some(key) = own.limit_key() else {
+        return (None, false, vec![f64::NAN; cases], vec![false; cases]);
+    };
     let of_carriage = Joint::CARRIAGE.named(key);
     let (kinds, number) = match of {
         Of::Link => (vec![key.to_owned(), of_carriage.clone()], 0),
@@ -247,14 +323,34 @@ fn limit(sweep: &StoredSweep, of: Of, own: &JointQuantity) -> (Option<f64>, bool
         warnings.split(';').any(|kind| kinds.iter().any(|own| own == kind))
     };
     let is_key = |name: &str| name == key || name == of_carriage;
-    let varied = sweep.table.names().take(sweep.units.len());
-    let is_varied = varied.into_iter().any(|name| {
-        let path = name.split(" [").next().unwrap_or_default().trim_end_matches(['*', '+']);
-        let mut path = path.split('.').skip_while(|part| *part != "limits");
+    let is_of_limit = |column: &&TableColumn| {
+        let path = column.name().split(" [").next().unwrap_or_default();
+        let mut path =
+            path.trim_end_matches(['*', '+']).split('.').skip_while(|part| *part != "limits");
         path.next().is_some() && path.next().is_none_or(is_key)
-    });
+    };
+    let varied = sweep.table.columns.iter().take(sweep.units.len()).filter(is_of_limit);
+    let varied: Vec<&TableColumn> = varied.collect();
     let limit = sweep.limits.get(number).and_then(|limits| limits.of(key));
-    (limit.filter(|_| !is_varied), is_varied, (0..cases).map(is_over).collect())
+    let of_case = |row: usize| match (&varied[..], limit) {
+        ([], limit) => limit.unwrap_or(f64::NAN),
+        // The table does not tell which link of an arm a key names.
+        ([column], _) if matches!(of, Of::Joint(_)) && !column.name().starts_with("links.*.") => {
+            f64::NAN
+        }
+        ([column], limit) => {
+            let (first, value) = (column.number(0), column.number(row));
+            // The limits are those of the first case; factors and other units share its ratio.
+            match (column.name().chars().last(), limit.unwrap_or(f64::NAN)) {
+                (Some('*' | ']'), limit) => limit * value / first,
+                _ => value,
+            }
+        }
+        _ => f64::NAN,
+    };
+    let limits = (0..cases).map(of_case).collect();
+    let is_varied = !varied.is_empty();
+    (limit.filter(|_| !is_varied), is_varied, limits, (0..cases).map(is_over).collect())
 }
 
 impl Drawn {
@@ -268,20 +364,20 @@ impl Drawn {
         }
     }
 
-    /// Value of a case over the limit; infinite for a case over an unknown limit, NaN for other unknown shares.
+    /// Value of a case over its limit, NaN if one of them is not known.
     fn share(&self, case: usize) -> f64 {
-        let known = self.limit.zip(self.lines.first()).map(|(limit, line)| line.1[case] / limit);
-        let unknown = if self.exceeded[case] { f64::INFINITY } else { f64::NAN };
-        known.unwrap_or(unknown)
+        self.lines.first().map_or(f64::NAN, |line| line.1[case] / self.limits[case])
     }
 }
 
 /// Largest number of limits with a colour.
 const MOST_KINDS: usize = 6;
 
-/// Nearness to all limits: the largest value over its limit, and its limit, in each case. `None` without limits.
-fn feasible(drawn: &[Drawn], cases: usize, is_single: bool) -> Option<Drawn> {
-    let has_limit = |own: &&Drawn| own.limit.is_some() || own.exceeded.contains(&true);
+/// Nearness to all limits: the largest value over its limit, and its limit, in each case; a reason where no case has it.
+/// `None` without limits.
+fn feasible(drawn: &[Drawn], cases: usize, is_single: bool) -> Option<Result<Drawn, String>> {
+    let is_known = |own: &Drawn| own.limits.iter().any(|limit| limit.is_finite());
+    let has_limit = |own: &&Drawn| is_known(own) || own.is_varied || own.exceeded.contains(&true);
     let limited: Vec<&Drawn> = drawn.iter().filter(has_limit).collect();
     let shares: Vec<Vec<f64>> =
         limited.iter().map(|own| (0..cases).map(|case| own.share(case)).collect()).collect();
@@ -293,14 +389,21 @@ fn feasible(drawn: &[Drawn], cases: usize, is_single: bool) -> Option<Drawn> {
     let times = |own: usize| bound.iter().filter(|bound| **bound == Some(own)).count();
     let mut order: Vec<usize> = (0..limited.len()).filter(|own| times(*own) > 0).collect();
     order.sort_by_key(|own| std::cmp::Reverse(times(*own)));
-    // Over one value the figure of the one limited quantity says the same.
-    if order.is_empty() || is_single && limited.len() < 2 {
-        return None;
-    }
     let name = |own: &usize| {
         let title = limited[*own].title.trim_start_matches("Peak ");
         title[..1].to_lowercase() + &title[1..]
     };
+    let unknown = |own: &usize| shares[*own].iter().all(|share| share.is_nan());
+    let unknown: Vec<String> = (0..limited.len()).filter(unknown).map(|own| name(&own)).collect();
+    let unknown = unknown.join(", ");
+    // Over one value the figure of the one limited quantity says the same.
+    if limited.is_empty() || is_single && limited.len() < 2 {
+        return None;
+    }
+    if order.is_empty() {
+        let why = "since the table does not have both the value and its limit in each case";
+        return Some(Err(format!("Feasible, the nearness to the limits of {unknown}, {why}")));
+    }
     let mut names: Vec<String> = order.iter().map(name).collect();
     if names.len() > MOST_KINDS {
         names.truncate(MOST_KINDS - 1);
@@ -313,31 +416,37 @@ fn feasible(drawn: &[Drawn], cases: usize, is_single: bool) -> Option<Drawn> {
     let kinds: Vec<f64> = bound.iter().map(kind).collect();
     let exceeded: Vec<bool> =
         (0..cases).map(|case| limited.iter().any(|own| own.exceeded[case])).collect();
-    let over = exceeded.iter().filter(|own| **own).count();
+    let failed = drawn[0].failed;
     let most = order.iter().map(|own| format!("{} in {}", name(own), times(*own)));
     let most = most.collect::<Vec<_>>().join(", ");
-    let caption = format!(
-        "Each peak over its limit: at most 1 where all limits hold. {over} of {cases} cases exceed a limit. Nearest \
-         to its limit, or farthest beyond it: {most}.",
+    let mut caption = format!(
+        "Each peak over its limit: at most 1 where all limits hold.{} Nearest to its limit, or farthest beyond it: \
+         {most}.",
+        over_words(&exceeded, failed, "a limit")
     );
-    let largest = |case: usize| {
-        bound[case].map(|own| shares[own][case]).filter(|own| own.is_finite()).unwrap_or(f64::NAN)
-    };
+    if !unknown.is_empty() {
+        // Writing to a string cannot fail.
+        let _ = write!(caption, " Hatched where it is exceeded, but without a number: {unknown}.");
+    }
+    let largest = |case: usize| bound[case].map_or(f64::NAN, |own| shares[own][case]);
     let lines = if is_single {
         let line = |(own, shares): (usize, &Vec<f64>)| (name(&own), shares.clone());
         shares.iter().enumerate().map(line).collect()
     } else {
         vec![("share of the limit".to_owned(), (0..cases).map(largest).collect())]
     };
-    Some(Drawn {
+    Some(Ok(Drawn {
         id: "feasible".to_owned(),
         title: "Feasible".to_owned(),
         caption,
-        formula: "max |value| / limit, of each quantity with a limit in the link file.".into(),
+        formula: "max |value| / limit, of each quantity with a limit.".into(),
         quantity: ("share of the limit".to_owned(), String::new()),
         lines,
         limit: Some(1.0),
+        limits: vec![1.0; cases],
+        is_varied: false,
         exceeded,
+        failed,
         binding: Some((names, kinds)),
-    })
+    }))
 }

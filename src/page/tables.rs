@@ -11,7 +11,7 @@ use crate::modal::{
     DampingLaw, PoseHub, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros,
 };
 use crate::response::damping_ratios;
-use crate::result::{Check, StoredRun};
+use crate::result::{Check, StoredCarriage, StoredRun};
 use crate::text::{after, before, digits_beyond, significant};
 
 /// A table that scrolls sideways on a narrow page.
@@ -25,7 +25,7 @@ pub(super) fn table<T: AsRef<str>>(head: &[T], rows: &Markup) -> Markup {
 }
 
 /// Units by the suffix of a name; a longer suffix comes before a suffix that it ends in.
-const UNITS: [(&str, &str); 16] = [
+const UNITS: [(&str, &str); 18] = [
     ("_n_m_s_rad", "N m s/rad"),
     ("_kg_m2", "kg m²"),
     ("_rad_s2", "rad/s²"),
@@ -42,6 +42,8 @@ const UNITS: [(&str, &str); 16] = [
     ("_n", "N"),
     ("_s", "s"),
     ("_w", "W"),
+    ("_a", "A"),
+    ("_v", "V"),
 ];
 
 /// Words and unit of a name such as `peak_torque_n_m`.
@@ -87,6 +89,25 @@ pub(super) fn results(readings: &[(String, f64)]) -> Vec<(String, String)> {
     rows.map(|(name, value)| (words_and_unit(name).0, amount(name, *value))).collect()
 }
 
+/// Numbers of a whole run, without those of an arm's carriage, which stand apart.
+pub(super) fn of_whole(run: &StoredRun) -> Vec<(String, f64)> {
+    let readings = run.readings.iter();
+    readings.filter(|(name, _)| !name.starts_with("carriage_")).cloned().collect()
+}
+
+/// Numbers of an arm's carriage. Of its places only what the grid of the answer resolves is shown.
+pub(super) fn of_carriage(carriage: &StoredCarriage) -> Vec<(String, f64)> {
+    const RESOLVED: f64 = 1e-6;
+    let joint = &carriage.joint;
+    let noise_m = RESOLVED * joint.reading("peak_carriage_travel_m").unwrap_or(0.0);
+    let is_noise =
+        |name: &str, value: f64| ["start_m", "end_m"].contains(&name) && value.abs() < noise_m;
+    let shown = |(name, value): &(String, f64)| {
+        (name.clone(), if is_noise(name, *value) { 0.0 } else { *value })
+    };
+    joint.readings.iter().map(shown).collect()
+}
+
 /// Numbers of an arm's joints, with a column each; empty without numbers.
 pub(super) fn joints(arm: &StoredRun) -> Markup {
     let names = distinct(arm.joints.iter().flat_map(|joint| &joint.readings));
@@ -94,7 +115,7 @@ pub(super) fn joints(arm: &StoredRun) -> Markup {
     let head: Vec<String> = ["quantity".to_owned()].into_iter().chain(head).collect();
     let rows = html! {
         @for name in &names { tr {
-            th scope="row" { (words_and_unit(name).0) }
+            th scope="row" { (words_and_unit(name).0.replace("hub ", "")) }
             @for joint in &arm.joints {
                 td { @if let Some(value) = joint.reading(name) { (amount(name, value)) } }
             }

@@ -11,6 +11,7 @@ use super::motion::exaggeration;
 use super::swept::{FINE, sweep_figures};
 use super::tip::rigid_tip_m;
 use super::view::{View, inside};
+use super::words::worded;
 use crate::beam::{Mesh, MeshPlan};
 use crate::compare::{Cell, Table, TableColumn};
 use crate::elastica::SecondOrder;
@@ -259,6 +260,11 @@ fn the_formula_of_the_waves_is_that_of_what_they_draw() {
     }
 }
 
+/// A text as a page shows it.
+fn shown(text: &str) -> String {
+    worded(None, text)
+}
+
 /// A sweep with the ratio and the order of the cases after its varied columns.
 fn sweep(varied: &[(&str, &[f64])], ratios: &[f64]) -> StoredSweep {
     let named = varied.iter().copied().chain([("torque_ratio", ratios)]);
@@ -317,7 +323,7 @@ fn equal_factors_and_decades_have_a_logarithmic_axis_and_keys_their_units() {
         ("hub.inertia", &[0.0, 1.0, 1000.0], "", "linear"),
     ] {
         let axis = &sweep_figures(&sweep(&[(name, values)], &vec![0.5; values.len()])).drawn[0].x;
-        assert_eq!((&axis.unit[..], axis.spacing_word()), (unit, scale), "{name}");
+        assert_eq!((&shown(&axis.unit)[..], axis.spacing_word()), (unit, scale), "{name}");
     }
 }
 
@@ -351,8 +357,8 @@ fn words_part_lines_and_the_value_with_most_numbers_has_the_axis() {
     }
     table.table.columns[1] = law;
     let figure = &sweep_figures(&table).drawn[0];
-    assert_eq!(figure.x.name, "a");
-    let names: Vec<&str> = figure.curves.iter().map(|curve| curve.name.as_str()).collect();
+    assert_eq!(shown(&figure.x.name), "a");
+    let names: Vec<String> = figure.curves.iter().map(|curve| shown(&curve.name)).collect();
     assert_eq!(names, ["law = none", "law = modal"]);
     assert_eq!(figure.curves[1].points, [(1.0, 0.4), (2.0, 0.5), (3.0, 0.6)]);
 }

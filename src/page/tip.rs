@@ -6,8 +6,9 @@ use super::axis::{digits, is_extreme};
 use super::bending::Interpolation;
 use super::figure::{Curve, Figure, Stroke};
 use super::link::given;
+use super::paper::cited;
 use super::view::{COLOURS, Single, View, from_start_m, inside, reading, run_stroke};
-use super::words::{cited, formula};
+use super::words::{formula, own};
 use crate::elastica::SecondOrder;
 use crate::link::Damping;
 use crate::motion::Prescribed;
@@ -153,14 +154,21 @@ pub(super) fn error(view: &View) -> Option<Figure> {
     let from = view.pick("", from);
     let by_target = all.iter().any(|own| view.runs[own.run].target.is_some());
     let by_run = all.iter().any(|own| view.runs[own.run].target.is_none());
-    let of_run = solved.filter(|_| by_run).map(|run| run.name.as_str());
-    let of_target = by_target.then_some("the target of each simulation that has one");
+    let of_run = solved.filter(|_| by_run).map(|run| own(&run.name));
+    let of_target = by_target.then(|| "the target of each simulation that has one".to_owned());
     let wanted = [of_target, of_run].into_iter().flatten().collect::<Vec<_>>().join(", else ");
     let caption = format!("{what}{from}, at most: {worst}. The wanted motion is that of {wanted}.");
     let (title, quantity) = ("How far the tip strays", ("distance", "m"));
     let quantity = view.pick(("error", "m"), quantity);
     let figure = view.figure("tip-error", title, caption, quantity, curves);
-    Some(figure.by(view.pick(formula::TIP_ERROR, formula::ARM_TIP_ERROR)))
+    let of_link = match (by_target, by_run) {
+        (true, true) => {
+            format!("{} Without a target: {}", formula::TIP_ERROR, formula::TIP_ERROR_BESIDE)
+        }
+        (true, false) => formula::TIP_ERROR.to_owned(),
+        _ => formula::TIP_ERROR_BESIDE.to_owned(),
+    };
+    Some(figure.by(view.pick(of_link, formula::ARM_TIP_ERROR.to_owned())))
 }
 
 /// Distance of a simulation's tip from its target.

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use super::axis::{Axis, TIME};
 use super::figure::{Curve, Figure, Mark, Span, Stroke};
+use super::words::{Of, own};
 use crate::link::Link;
 use crate::modal::natural_frequencies;
 use crate::numeric::largest;
@@ -127,6 +128,15 @@ impl<'a> View<'a> {
         if self.is_arm() { of_arm } else { of_link }
     }
 
+    /// Whose words the quantities of a joint have.
+    pub(super) fn kind(&self) -> Of {
+        match self.link {
+            None => Of::Joint,
+            Some(run) if run.link.joint().slides() => Of::Carriage,
+            Some(_) => Of::Hub,
+        }
+    }
+
     /// Id of a joint's figure: `torque`, `hub-rate`; for an arm `torque-1`, `rate-1`.
     pub(super) fn id(&self, name: &str, joint: usize) -> String {
         let of_arm = format!("{}-{}", name.trim_start_matches("hub-"), joint + 1);
@@ -148,12 +158,12 @@ impl<'a> View<'a> {
         largest(&self.first().gravity_m_s2) > 0.0
     }
 
-    /// The runs, each with the name of its line, which is `own` for a single run.
-    pub(super) fn named(&self, own: &str) -> impl Iterator<Item = (&StoredRun, String)> {
+    /// The runs, each with the name of its line, which is `name` for a single run.
+    pub(super) fn named(&self, name: &str) -> impl Iterator<Item = (&StoredRun, String)> {
         let is_alone = self.runs.len() == 1;
         self.runs
             .iter()
-            .map(move |arm| (arm, if is_alone { own.to_owned() } else { arm.name.clone() }))
+            .map(move |arm| (arm, if is_alone { name.to_owned() } else { own(&arm.name) }))
     }
 
     /// A joint of a run; `None` without a joint of this number, and for a carriage beside a hub.
@@ -260,7 +270,7 @@ impl<'a> View<'a> {
     pub(super) fn number_of(&self, link: usize) -> String {
         let number = (link + 1).to_string();
         let name = &self.first().links[link].name;
-        if *name == number { number } else { format!("{number}, {name}") }
+        if *name == number { number } else { format!("{number}, {}", own(name)) }
     }
 
     /// Shaded lead and lag of a joint's torque.

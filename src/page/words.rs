@@ -1,13 +1,8 @@
-//! Words of a page: a glossary, the formula behind each figure, the paper's figure beside it, and the meanings of kinds of
-//! warnings.
-
-use std::f64::consts::PI;
+//! Words of a page: a glossary, the formula behind each figure, and the meanings of kinds of warnings.
 
 use maud::{Markup, html};
 
-use super::view::View;
-use crate::link::{Damping, Joint, Link};
-use crate::numeric::largest;
+use crate::link::{Joint, Link};
 
 /// Words of a run, a sweep and a fit.
 pub(super) const GLOSSARY: [(&str, &str); 4] = [
@@ -22,8 +17,7 @@ pub(super) const GLOSSARY: [(&str, &str); 4] = [
     ),
     (
         "lead",
-        "Time by which the torque acts before the tip sets out: from when it first exceeds 2 % of its peak or, of an \
-         arm and under gravity, differs from its value at rest by more than 2 % of its range. Below 0 it begins after the \
+        "Time by which the torque acts before the tip sets out: from when it first {acts}. Below 0 it begins after the \
          tip has set out, as it does where a slow motion begins with little torque.",
     ),
     (
@@ -54,13 +48,26 @@ pub(super) const MEASURES: [(&str, &str); 4] = [
     ("settling", "Time after the end of the motion from which e stays within the band."),
 ];
 
-/// Folded glossary of a page.
-pub(super) fn glossary(words: &[(&str, &str)]) -> Markup {
+/// How a torque that acts is told from one at rest: `from_rest` is true for an arm and under gravity, where the torque at
+/// rest is not 0, and `None` where gravity is not known.
+pub(super) fn acts(from_rest: Option<bool>) -> &'static str {
+    match from_rest {
+        Some(true) => "differs from its value at rest by more than 2 % of its range",
+        Some(false) => "exceeds 2 % of its peak",
+        None => {
+            "exceeds 2 % of its peak or, of an arm and under gravity, differs from its value at rest by more than \
+             2 % of its range"
+        }
+    }
+}
+
+/// Folded glossary of a page, with the sign of a torque that [`acts`].
+pub(super) fn glossary(words: &[(&str, &str)], acts: &str) -> Markup {
     let names: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
     html! {
         details {
             summary { (names.join(", ")) }
-            dl { @for (word, meaning) in words { dt { (word) } dd { (meaning) } } }
+            dl { @for (word, meaning) in words { dt { (word) } dd { (meaning.replace("{acts}", acts)) } } }
         }
     }
 }
@@ -79,9 +86,11 @@ pub(super) mod formula {
     pub(in crate::page) const HUB: &str = "\
         θ(t) = 1/2π ∫ G(ω) A(ω) exp(iωt) dω, G = θ/a of the equations of the torque. Rigid link: θ = v/L. \
         Bending of the tip: w = v − Lθ.";
-    /// Formulas of a simulation with a target.
+    /// Formulas of a simulation with a target, and of one beside a solved run.
     pub(in crate::page) const TIP_ERROR: &str = "\
         v(t) − v_wanted(t) at the times of the target; between samples of the simulation v is a cubic spline.";
+    pub(in crate::page) const TIP_ERROR_BESIDE: &str = "\
+        v(t) − v_wanted(t) less its first value; v_wanted: the tip of the solved run, linear between its samples.";
     pub(in crate::page) const MOTOR: &str = "\
         Motor: T_m = T/n + J d²φ/dt², φ = n (θ + T/k): angle of the rotor, with the gear ratio n, the rotor's \
         inertia J and the stiffness k of the joint.";
@@ -144,16 +153,17 @@ pub(super) mod formula {
     pub(in crate::page) const ROOT_MOMENTS: &str =
         "m(0, t) = EI ∂²w/∂x² at the root; with shear EI ∂ψ/∂x.";
     /// Formulas of quantities with a limit.
-    pub(in crate::page) const RATE: &str = "dθ/dt of the hub, dq/dt of a joint.";
-    pub(in crate::page) const ACCELERATION: &str = "d²θ/dt² of the hub, d²q/dt² of a joint.";
-    pub(in crate::page) const POWER: &str = "P = T dθ/dt, of a joint T dq/dt.";
+    pub(in crate::page) const RATE: &str = "dθ/dt of the hub.";
+    pub(in crate::page) const ACCELERATION: &str = "d²θ/dt² of the hub.";
+    pub(in crate::page) const POWER: &str = "P = T dθ/dt.";
     pub(in crate::page) const MOTOR_RATE: &str = "\
         dφ/dt, φ = n (θ + T/k): angle of the rotor, with the gear ratio n and the stiffness k of the joint.";
     pub(in crate::page) const MOTOR_POWER: &str =
         "P = T_m dφ/dt, T_m: torque of the motor, φ: angle of the rotor.";
     pub(in crate::page) const MOTOR_CURRENT: &str =
         "i = T_m/k, T_m: torque of the motor, k: its torque constant.";
-    pub(in crate::page) const MOTOR_VOLTAGE: &str = "        u = R i + k dφ/dt, R: resistance, i: current, k: torque constant, φ: angle of the rotor.";
+    pub(in crate::page) const MOTOR_VOLTAGE: &str =
+        "u = R i + k dφ/dt, R: resistance, i: current, k: torque constant, φ: angle of the rotor.";
     pub(in crate::page) const TIP_DEFLECTION: &str = "\
         w(L, t): distance of the tip from the hub's tangent line; v − Lθ of a link that bends little.";
     pub(in crate::page) const LINK_DEFLECTION: &str = "\
@@ -175,8 +185,41 @@ pub(super) mod formula {
         known.";
 }
 
+/// Whose words a text has: those of the hub of a single link, of a joint of an arm, or of a carriage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Of {
+    Hub,
+    Joint,
+    Carriage,
+}
+
+impl Of {
+    /// A text of a hub, such as a formula, in the words and symbols of another joint.
+    pub(super) fn words(self, of_hub: &str) -> String {
+        match self {
+            Self::Hub => of_hub.to_owned(),
+            Self::Joint => of_hub.replace('θ', "q").replace("the hub", "the joint"),
+            Self::Carriage => of_joint(&Joint::CARRIAGE, of_hub, ""),
+        }
+    }
+}
+
+/// Encloses what [`worded`] leaves as it is; no text has this sign.
+const OWN: char = '\u{fdd0}';
+
+/// A text that no page may change: names, files and arguments of the user, and what has the words of its own joint.
+pub(super) fn own(text: impl AsRef<str>) -> String {
+    let text = text.as_ref().replace(OWN, "");
+    if text.is_empty() { text } else { format!("{OWN}{text}{OWN}") }
+}
+
+/// Number of letters that a page shows of a text.
+pub(super) fn letters(text: &str) -> usize {
+    text.chars().filter(|letter| *letter != OWN).count()
+}
+
 /// Texts of a page of a hub, and those of a carriage in their place, before the words of the joint.
-const ON_CARRIAGE: [(&str, &str); 33] = [
+const ON_CARRIAGE: [(&str, &str); 35] = [
     ("T(t) = 1/2π ∫ H(ω)", "F(t) = 1/2π ∫ H(ω)"),
     (
         "H = T/a: solution of (K + iωC − ω²M) u = T e",
@@ -212,9 +255,11 @@ const ON_CARRIAGE: [(&str, &str); 33] = [
     ("Rate of the hub", "Speed of the carriage"),
     ("displacement of the tip along its arc", "displacement of the tip"),
     ("|T / a|", "|F / a|"),
-    ("dθ/dt of the hub, dq/dt of a joint.", "du/dt of the carriage."),
-    ("d²θ/dt² of the hub, d²q/dt² of a joint.", "d²u/dt² of the carriage."),
-    ("P = T dθ/dt, of a joint T dq/dt.", "P = F du/dt."),
+    ("dθ/dt of the hub", "du/dt of the carriage"),
+    ("d²θ/dt² of the hub", "d²u/dt² of the carriage"),
+    ("P = T dθ/dt", "P = F du/dt"),
+    ("tanh((dθ/dt)", "tanh((du/dt)"),
+    ("f = a T' + b |T'| x, T' = T + τ x", "f = a F' + b |F'| x, F' = F + τ x"),
     ("T_m = T/n + J", "T_m = F/n + J"),
     (
         "φ = n (θ + T/k): angle of the rotor, with the gear ratio n",
@@ -238,24 +283,36 @@ const ON_CARRIAGE: [(&str, &str); 33] = [
     ("Torque that an", "Force that an"),
 ];
 
-/// A page in the words of the joint and the output of a link: its texts and the labels of its figures. Scripts and styles
-/// stay.
-pub(super) fn worded(link: &Link, page: String) -> String {
-    if !link.joint().slides() && !link.has_station() {
-        return page;
+/// A page or a drawing in the words of the joint and the output of a link: its texts and the labels of its figures. Scripts,
+/// styles and texts of [`own`] stay.
+pub(super) fn worded(link: Option<&Link>, page: &str) -> String {
+    let (mut kept, mut words) = (Vec::new(), String::with_capacity(page.len()));
+    for (k, part) in page.split(OWN).enumerate() {
+        if k % 2 == 0 {
+            words += part;
+        } else {
+            words.push(OWN);
+            kept.push(part);
+        }
     }
+    if let Some(link) = link.filter(|link| link.joint().slides() || link.has_station()) {
+        words = reworded(link, &words);
+    }
+    let mut parts = words.split(OWN);
+    let first = parts.next().unwrap_or_default().to_owned();
+    kept.iter().zip(parts).fold(first, |whole, (own, part)| whole + own + part)
+}
+
+/// All texts and labels of a page or a drawing in the words of a link.
+fn reworded(link: &Link, page: &str) -> String {
     let mut own = String::with_capacity(page.len());
-    let (mut rest, mut before, mut last) = (&*page, "", "");
+    let (mut rest, mut before, mut last) = (page, "", "");
     // In a figure of a moment all texts keep its unit.
     let mut figure = "";
+    let is_page = page.starts_with("<!DOCTYPE");
     while let Some(at) = rest.find('<') {
         let (text, tagged) = rest.split_at(at);
-        // Names and files of the user stay, and the numbers of runs side by side, whose joints may differ.
-        let is_given = ["<h1", "<title", "<code", "<p class=\"origin\"", "<span class=\"own\""];
-        let is_given = is_given.iter().any(|own| last.starts_with(own))
-            || last.contains("dimension-text")
-            || [".csv", ".toml"].iter().any(|end| text.ends_with(end));
-        own += &if is_given {
+        own += &if last.starts_with("<code") {
             text.to_owned()
         } else {
             worded_text(link, text, if figure.is_empty() { before } else { figure })
@@ -267,8 +324,9 @@ pub(super) fn worded(link: &Link, page: String) -> String {
         let end = verbatim.map_or(">".to_owned(), |name| format!("</{name}>"));
         let end = tagged.find(&end).map_or(tagged.len(), |at| at + end.len());
         let (tag, after) = tagged.split_at(end);
-        if tag.starts_with("<figure") {
-            let whole = after.find("</figure>").map_or(after, |end| &after[..end]);
+        let is_drawing = !is_page && figure.is_empty() && tag.starts_with("<svg");
+        if tag.starts_with("<figure") || is_drawing {
+            let whole = after.find("</figure>").map_or(rest, |end| &after[..end]);
             figure = if whole.contains("data-y-name=\"moment\"") { "moment" } else { "" };
         } else if tag.starts_with("</figure") {
             (figure, before) = ("", "");
@@ -298,7 +356,7 @@ fn worded_tag(link: &Link, tag: &str, figure: &str) -> String {
 }
 
 /// A text in the words of the joint and the output of a link.
-fn worded_text(link: &Link, text: &str, before: &str) -> String {
+pub(super) fn worded_text(link: &Link, text: &str, before: &str) -> String {
     link.of_output(of_joint(&link.joint(), text, before))
 }
 
@@ -402,50 +460,6 @@ pub(super) fn warning_meaning(kind: &str) -> Option<&'static str> {
     WARNINGS.into_iter().find(|(own, _)| *own == kind).map(|(_, meaning)| meaning)
 }
 
-/// Number of the example of Bayo (1987) that a solution corresponds to: the link of the paper, and its motion of 0.5 m
-/// in 0.88 s with a period of a sine as acceleration.
-fn example(view: &View) -> Option<usize> {
-    let run = view.link?;
-    let (from, until) = view.first().moving_s?;
-    let (link, tip) = (run.link, &run.arc.tip);
-    let (hub, payload) = (link.hub(), link.payload());
-    let is_bare = [
-        payload.mass_kg,
-        payload.inertia_kg_m2,
-        payload.offset_m,
-        hub.radius_m,
-        hub.viscous_friction_n_m_s_rad,
-    ]
-    .iter()
-    .all(|part| *part == 0.0)
-        && link.segments().iter().all(|segment| segment.timoshenko.is_none())
-        && link.masses().is_empty()
-        && link.drive().is_none()
-        && link.gravity().is_none();
-    let Damping::Hysteretic { ratio } = link.damping() else { return None };
-    let travel_m = tip.displacement_m.last()? - tip.displacement_m.first()?;
-    let mut numbers = vec![hub.inertia_kg_m2, *ratio, until - from, travel_m.abs()];
-    for segment in link.segments() {
-        let (stiffness, mass) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
-        let ends = [stiffness.inner, stiffness.outer, mass.inner, mass.outer];
-        numbers.extend([segment.length_m].into_iter().chain(ends));
-    }
-    let peak = largest(&tip.acceleration_m_s2) / (PI / 0.88_f64.powi(2));
-    let is_printed = |ei: f64| {
-        let (root, beam) = ([0.15, 10.0 * ei, 10.0 * ei, 0.8, 0.8], [1.35, ei, ei, 0.8, 0.8]);
-        let printed = [&[0.1, 0.02, 0.88, 0.5][..], &root, &beam].concat();
-        let is_close = |(number, printed): (&f64, &f64)| (number / printed - 1.0).abs() < 1e-3;
-        numbers.len() == printed.len() && numbers.iter().zip(&printed).all(is_close)
-    };
-    [5.0, 20.0].into_iter().position(|ei| is_bare && (peak - 1.0).abs() < 1e-2 && is_printed(ei))
-}
-
-/// Citation of the corresponding figure in the paper's first or second example; empty for other links and motions.
-pub(super) fn cited(view: &View, figures: [Option<u8>; 2]) -> String {
-    let figure = example(view).and_then(|number| figures[number]);
-    figure.map_or(String::new(), |figure| format!(" (Bayo 1987, figure {figure})"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -457,11 +471,18 @@ mod tests {
         let [hub, carriage] = [None, Some(Carriage::default())].map(|carriage| {
             Link::new(LinkParts { carriage, hub: Hub::default(), ..uniform() }).unwrap()
         });
-        let page = |text: &str| worded(&carriage, text.to_owned());
-        for (of_hub, own) in [
-            ("<h1>A torque at the hub</h1>", "<h1>A torque at the hub</h1>"),
+        let page = |text: &str| worded(Some(&carriage), text);
+        for (of_hub, own_words) in [
+            ("<code>A torque at the hub</code>", "<code>A torque at the hub</code>"),
             ("<p>At most 3 N m.</p>", "<p>At most 3 N.</p>"),
-            ("<td>torque.csv</td><td>torque</td>", "<td>torque.csv</td><td>force</td>"),
+            (
+                &format!("<td>{}</td><td>torque</td>", own("torque.csv at the hub")),
+                "<td>torque.csv at the hub</td><td>force</td>",
+            ),
+            (
+                &format!("<path data-name=\"torque, {0}\">torque of {0}</path>", own("hub_torque")),
+                "<path data-name=\"force, hub_torque\">force of hub_torque</path>",
+            ),
             ("<th>peak root moment</th><td>3 N m</td>", "<th>peak root moment</th><td>3 N m</td>"),
             (
                 "<th>peak motor torque</th><td>3 N m</td>",
@@ -476,9 +497,17 @@ mod tests {
                 "<figure><svg data-y-name=\"moment\" data-y-unit=\"N m\" aria-label=\"\"></svg>3 N m</figure><p>3 N.</p>",
             ),
             ("<script>torque(hub)</script>", "<script>torque(hub)</script>"),
+            (
+                "<svg><title>Torque at the hub</title><text>3 N m</text></svg>",
+                "<svg><title>Force on the carriage</title><text>3 N</text></svg>",
+            ),
+            (
+                "<svg data-y-name=\"moment\"><text>3 N m</text></svg>",
+                "<svg data-y-name=\"moment\"><text>3 N m</text></svg>",
+            ),
         ] {
-            assert_eq!(page(of_hub), own);
-            assert_eq!(worded(&hub, of_hub.to_owned()), of_hub);
+            assert_eq!(page(of_hub), own_words);
+            assert_eq!(worded(Some(&hub), of_hub), of_hub.replace(OWN, ""));
         }
     }
 

@@ -244,3 +244,25 @@ fn a_file_of_one_side_whose_columns_are_all_ignored_is_no_difference() {
     let single = bench.run(&["compare", "golden/a.csv", "out/a.csv"]);
     assert_eq!((single.status.code(), stderr(&single).as_str()), (Some(0), ""));
 }
+
+/// Tables of other forms are for the commands that read them.
+#[test]
+fn tables_in_another_form_than_that_of_the_program_are_refused() {
+    let bench = Bench::new();
+    for (text, message) in [
+        (&b"time;x\n0;1,5\n"[..], "a.csv:1: first row = \"time;x\", but must name columns"),
+        (b"time\tx\n0\t1\n", "a.csv:1: first row = "),
+        (b"t x\n0 1.5\n", "a.csv:2: row = \"0 1.5\", but must have commas between its fields"),
+        (b"Pr\xfcfung,x\n0,1\n", "a.csv:1: text = byte 0xfc, but must be UTF-8"),
+        (b"time,x\n0,1,5\n", "a.csv:2: fields = 3, but must be 2"),
+    ] {
+        std::fs::write(bench.path("a.csv"), text).unwrap();
+        bench.write("b.csv", "time,x\n0,1\n");
+        let found = bench.error(3, "compare a.csv b.csv");
+        assert!(found.contains(message), "{found}");
+        assert!(
+            found.contains("hint: compare reads tables as this program writes them"),
+            "{found}"
+        );
+    }
+}

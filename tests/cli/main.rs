@@ -34,6 +34,7 @@ mod model_end;
 mod modes;
 mod motor;
 mod options;
+mod pages;
 mod paths;
 mod reading;
 mod repeat;

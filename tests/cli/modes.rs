@@ -80,6 +80,18 @@ damping = { model = 'rayleigh', alpha = 0.3, beta = 1e-3 }\n";
         DMatrix::from_fn(rows.len(), rows[0].len(), number)
     };
     let [a, b, c, d] = ["A", "B", "C", "D"].map(matrix);
+    let [mass, stiffness, damping] = ["mass", "stiffness", "damping"].map(matrix);
+    assert_eq!(mass, DMatrix::identity(4, 4));
+    assert_eq!(-stiffness, a.view((4, 0), (4, 4)).into_owned());
+    assert_eq!(-damping, a.view((4, 4), (4, 4)).into_owned());
+    let told = bench.told("modes link.toml --state-space few.json --modes 3,1");
+    assert!(
+        told.starts_with("note: few.json has 6 states, 1 input and 6 outputs: modes 0, 1, 3; ")
+    );
+    let few: serde_json::Value = serde_json::from_str(&bench.read("few.json")).unwrap();
+    assert_eq!(few["states"][2], "mode_3");
+    assert_eq!(few["A"][5][2], space["A"][7][3]);
+    bench.refuses(2, "modes link.toml --state-space s.json --modes 11", "at most --count, 10");
     bench.done("frf link.toml --set analysis.modes=3 --from 0.1 --to 60 --points 40 -o frf.csv");
     let of = |name: &str| {
         let part = |part: &str| bench.numbers("frf.csv", &format!("{name}_{part}"));

@@ -291,12 +291,19 @@ fn options_with_the_name_of_a_table_are_for_this_table() {
 fn tables_of_one_clock_keep_their_shift() {
     let bench = Bench::new();
     bench.solve("-q");
-    let clock = |time_s: f64| {
-        let since = 10.0 + time_s;
-        format!("10:{:02.0}:{:09.6}", (since / 60.0).floor(), since % 60.0)
+    let start_s = bench.table("out/torque.csv")[0].1[0];
+    let of_day = |since: f64| {
+        let since = since.rem_euclid(86_400.0);
+        let [hours, minutes] = [since / 3600.0, since / 60.0 % 60.0].map(f64::floor);
+        format!("{hours:02.0}:{minutes:02.0}:{:09.6}", since % 60.0)
     };
+    let clock = |time_s: f64| of_day(36_010.0 + time_s);
+    // The torque begins before midnight, the target after it.
+    let night = |time_s: f64| of_day(86_399.9 + time_s - start_s);
     let seconds = |time_s: f64| time_s.to_string();
-    for (name, time) in [("numbers", &seconds as &dyn Fn(f64) -> String), ("clock", &clock)] {
+    let ways =
+        [("numbers", &seconds as &dyn Fn(f64) -> String), ("clock", &clock), ("night", &night)];
+    for (name, time) in ways {
         let torque = retimed(&bench.read("out/torque.csv"), time, 0);
         bench.write("torque.csv", &format!("time,torque_n_m\n{torque}"));
         let tip = retimed(&bench.read("out/tip.csv"), time, 200);
@@ -307,7 +314,149 @@ fn tables_of_one_clock_keep_their_shift() {
         let text = bench.read(&format!("{name}/tip_error.csv"));
         text.lines().skip(1).map(|row| row.rsplit_once(',').unwrap().1.parse().unwrap()).collect()
     };
-    let [numbers, clock] = ["numbers", "clock"].map(errors);
-    assert_eq!(numbers.len(), clock.len());
-    assert!(numbers.iter().zip(&clock).all(|(a, b)| (a - b).abs() < 1e-8));
+    let [numbers, clock, night] = ["numbers", "clock", "night"].map(errors);
+    for clock in [clock, night] {
+        assert_eq!(numbers.len(), clock.len());
+        assert!(numbers.iter().zip(&clock).all(|(a, b)| (a - b).abs() < 1e-8));
+    }
+    let tip = bench.read("out/tip.csv");
+    let early = retimed(&tip, |time_s| (time_s - 50.0).to_string(), 0);
+    bench.write("early.csv", &format!("time,displacement,velocity,acceleration\n{early}"));
+    let found = bench.error(3, &format!("simulate {LINK} out/torque.csv --target early.csv -q"));
+    assert!(found.contains("must last beyond the beginning of the simulation"), "{found}");
+}
+
+#[test]
+fn resampling_neither_smooths_steps_nor_fills_long_gaps() {
+    let bench = Bench::new();
+    let rows =
+        |time: &dyn Fn(i32) -> f64, torque: &dyn Fn(i32) -> f64, leave: &dyn Fn(i32) -> bool| {
+            let row = |k: i32| format!("{:.6},{}\n", time(k), torque(k));
+            let rows = (0..=400).filter(|k| !leave(*k)).map(row).collect::<String>();
+            format!("time,torque\n{rows}")
+        };
+    let even = |k: i32| 0.005 * f64::from(k);
+    let uneven = |k: i32| even(k) + if k % 3 == 1 { 4e-4 } else { 0.0 };
+    let stairs = |k: i32| if k / 40 % 2 == 0 { 1.0 } else { -1.0 };
+    let sine = |k: i32| (std::f64::consts::PI * 0.01 * f64::from(k)).sin();
+    bench.write("even.csv", &rows(&even, &stairs, &|_| false));
+    bench.write("uneven.csv", &rows(&uneven, &stairs, &|_| false));
+    bench.write("gap.csv", &rows(&even, &sine, &|k| (120..=133).contains(&k)));
+    bench.write("short.csv", &rows(&even, &sine, &|k| (120..=122).contains(&k)));
+    let play = |file: &str| format!("simulate {LINK} {file} --resample 0.005 -q");
+    bench.done(&format!("{} --hold zero", play("even.csv")));
+    for hold in ["zero", "linear"] {
+        let found = bench.error(3, &format!("{} --hold {hold}", play("uneven.csv")));
+        assert!(found.contains("uneven.csv: the times are not uniform"), "{found}");
+    }
+    let found = bench.error(3, &play("gap.csv"));
+    let must =
+        "gap.csv:121: gap = 0.0750 s after this row, but must be at most 0.0500 s, 10 usual steps";
+    assert!(found.contains(must), "{found}");
+    let found = bench.told(&play("short.csv"));
+    assert!(found.contains("a gap of 0.0200 s after line 121 interpolated"), "{found}");
+}
+
+#[test]
+fn a_reference_shifted_to_other_times_than_the_torque_is_refused() {
+    let bench = Bench::new();
+    bench.solve("-q");
+    let torque = bench.read("out/torque.csv");
+    let rows = retimed(&torque, |time_s| time_s.to_string(), 0);
+    bench.write("torque.csv", &format!("# motion begins at 0.5 s\ntime,torque\n{rows}"));
+    let play =
+        format!("simulate {LINK} torque.csv --feedback 20,2 -q --reference out/hub_angle.csv");
+    let found = bench.error(3, &play);
+    assert!(found.contains("hub_angle.csv: times = "), "{found}");
+    assert!(found.contains(" of TORQUE"), "{found}");
+}
+
+/// A motion over 1.2 s whose camera has 239.76 frames a second.
+fn camera(bench: &Bench, name: &str) {
+    let row = |k: i32| {
+        let time_s = f64::from(k) / 239.76;
+        format!("{time_s:.9},{:.9}\n", 0.5 * septic((time_s / 1.2).min(1.0)))
+    };
+    let rows: String = (0..=300).map(row).collect();
+    bench.write(name, &format!("time,displacement\n{rows}"));
+}
+
+#[test]
+fn a_step_that_does_not_divide_the_motion_is_filled_with_its_rest() {
+    let bench = Bench::new();
+    camera(&bench, "camera.csv");
+    // 300 frames last 1.25125 s, 312 steps of 4 ms and 3.25 ms.
+    let told = bench.told(&super::with(
+        &format!("solve {LINK} camera.csv --write torque.csv -q"),
+        &["--resample", "4 ms"],
+    ));
+    let note = "note: camera.csv: read 7.49e-4 s of rest added after the last row\n";
+    assert!(told.contains(note), "{told}");
+    let times = &bench.table("torque.csv")[0].1;
+    assert!((times[1] - times[0] - 0.004).abs() < 1e-12);
+    let exact = |k: i32| {
+        let time_s = 0.004 * f64::from(k);
+        format!("{time_s:.3},{:.9}\n", 0.5 * septic((time_s / 1.2).min(1.0)))
+    };
+    let rows: String = (0..=313).map(exact).collect();
+    bench.write("exact.csv", &format!("time,displacement\n{rows}"));
+    bench.done(&format!("solve {LINK} exact.csv --write exact_torque.csv -q"));
+    let [camera, exact] =
+        ["torque.csv", "exact_torque.csv"].map(|file| peak(&bench.table(file)[1].1));
+    assert!((camera / exact - 1.0).abs() < 1e-3, "{camera} {exact}");
+}
+
+#[test]
+fn every_table_of_a_command_is_resampled_by_its_name() {
+    let bench = Bench::new();
+    bench.solve("-q");
+    // A gap in every table.
+    for name in ["torque", "tip", "hub_angle"] {
+        let text = bench.read(&format!("out/{name}.csv"));
+        let gap = |(k, row): (usize, &str)| {
+            let fields = row.split_once(',').unwrap();
+            let gap = "\u{221e},".repeat(fields.1.split(',').count());
+            if k == 700 {
+                format!("{},{}\n", fields.0, gap.trim_end_matches(','))
+            } else {
+                format!("{row}\n")
+            }
+        };
+        bench.write(&format!("{name}.csv"), &text.lines().enumerate().map(gap).collect::<String>());
+    }
+    let step = bench.table("out/torque.csv")[0].1[1] - bench.table("out/torque.csv")[0].1[0];
+    let play = format!("simulate {LINK} torque.csv -q --feedback 20,2");
+    let tables = "--reference hub_angle.csv --target tip.csv --measured tip.csv";
+    let refused = |options: &str, name: &str| {
+        let found = bench.error(3, &format!("{play} {tables} {options}"));
+        assert!(found.contains("= \u{221e}, but must be a finite number"), "{found}");
+        assert!(found.contains(&format!("hint: --resample {name}STEP leaves out")), "{found}");
+    };
+    let mut options = String::new();
+    for name in ["", "reference:", "target:", "measured:"] {
+        refused(&options, name);
+        options.extend([" --resample ", name, &step.to_string()]);
+    }
+    let found = bench.told(&format!("{play} {tables} {options}"));
+    assert_eq!(found.matches("without line 701, which lacks a value").count(), 4, "{found}");
+    let sweep =
+        format!("sweep {LINK} out/tip.csv --vary payload.mass=0,0.05 --torque torque.csv -q");
+    let found = bench.error(3, &sweep);
+    assert!(found.contains("hint: --resample torque:STEP leaves out"), "{found}");
+    bench.done(&format!("{sweep} --resample torque:{step}"));
+    let learn = format!(
+        "learn {LINK} trajectories/sine_0.88s.csv tip.csv --applied torque.csv --uncertain segments.*.EI*=±10%"
+    );
+    let found = bench.error(3, &learn);
+    assert!(found.contains("hint: --resample applied:STEP leaves out"), "{found}");
+    let found = bench.error(3, &format!("{learn} --resample applied:{step}"));
+    assert!(found.contains("hint: --resample measured:STEP leaves out"), "{found}");
+}
+
+#[test]
+fn a_cycle_is_not_resampled() {
+    let bench = Bench::new();
+    let options = "--periodic --resample 0.002";
+    let found = bench.error(2, &format!("solve {LINK} trajectories/sine_0.88s.csv {options}"));
+    assert!(found.contains("--resample stands beside --periodic"), "{found}");
 }

@@ -82,27 +82,32 @@ fn a_shifted_table_is_taken_back_by_the_line_of_its_motion() {
         ["position", "effort"].map(|held| of(&format!("tip_errors/{held}/worst_m")));
     assert!(position_m < 0.5 * effort_m, "{position_m} {effort_m}");
     assert_eq!(of("tip_error/worst_m").to_bits(), position_m.to_bits());
-    let end_s = of("start_s")
-        + column(&bench, "out/tip.csv", "time_s").last().unwrap()
-        + of("moves_from_s");
-    // A motion's file and a solved tip have the times of the motion.
+    let end_s = column(&bench, "out/tip.csv", "time_s").last().copied().unwrap();
+    // The table is played at the times of the motion's file, which a solved tip has, too.
     let play = format!("simulate {LINK} cut.csv {DAMPED}");
     let told = bench.told(&format!("{play} --target out/tip.csv --until {end_s}"));
-    let shift = format!("times shifted by {} s, to the motion of cut.csv", of("moves_from_s"));
-    assert!(told.contains(&format!("note: out/tip.csv: {shift}")), "{told}");
+    let shift =
+        format!("times shifted by -{} s, to those of the motion's file", of("moves_from_s"));
+    assert!(told.contains(&format!("note: cut.csv: read {shift}")), "{told}");
     let found_m = bench.number("simulated", "tip_error/worst_m");
     assert!((found_m / effort_m - 1.0).abs() < 0.02, "{found_m} {effort_m}");
     bench.done(&format!("{play} --target {WANTED} -q"));
     assert!(bench.number("simulated", "tip_error/share") < 5e-3);
-    // The reference is longer than the table, and its times are not shifted.
+    // The reference is longer than the table.
     let around = format!("--feedback 200,5 --reference out/hub_angle.csv --target {WANTED}");
-    let told = bench.told(&format!("{play} {around}"));
-    assert!(told.contains(&format!("note: out/hub_angle.csv: {shift}")), "{told}");
+    bench.done(&format!("{play} {around} -q"));
     // It begins with the angle that the table cuts.
     assert!(bench.number("simulated", "tip_error/share") < 2e-3);
-    // The table itself has its own times.
+    // The table itself may be the reference, the recording, or the torque of a sweep.
     let told = bench.told(&format!("{play} --feedback 200,5 --reference cut.csv"));
-    assert!(!told.contains("shifted"), "{told}");
+    assert_eq!(told.matches(&shift).count(), 2, "{told}");
+    bench.done(&format!("{play} --measured out/hub_angle.csv -q"));
+    let channel = &bench.json("simulated/summary.json")["measured"]["channels"][0];
+    assert!(number(channel, "share") < 0.1, "{channel}");
+    assert!(number(channel, "fit/delay_s").abs() < 5e-3, "{channel}");
+    let sweep = "--vary payload.mass=0,0.1 --torque cut.csv -o sweep.csv -q";
+    bench.done(&format!("sweep {LINK} {WANTED} {DAMPED} {sweep}"));
+    assert!(bench.numbers("sweep.csv", "tip_error_m")[0] < 5e-3 * 0.5);
 }
 
 #[test]

@@ -4,7 +4,9 @@
 
 use std::fmt::Display;
 
-use flexlink::csv::{MotionTable, TableError, read_motion_table_as};
+use flexlink::csv::{
+    MotionTable, TableError, TableFormat, read_frequency_response, read_motion_table_as,
+};
 
 use crate::refused_tables::format_of;
 
@@ -141,6 +143,26 @@ fn logs() -> Vec<(&'static str, Vec<u8>, &'static str, &'static str)> {
         ),
         ("UTF-16", wide, "", "UTF-16 as encoding, tab as delimiter, time from column 1 in ms"),
         (
+            "Rigol",
+            format!(
+                "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-3e-3,5e-3\n{}",
+                rows(|k| format!("{k},{},0,,", mm(k)))
+            )
+            .into(),
+            "--columns displacement=CH1 --unit mm",
+            "units, and time by Start and Increment, from line 2, time from column 1, displacement from column 2 \"CH1\" in mm",
+        ),
+        (
+            "Rigol without fields below the last names",
+            format!(
+                "X,CH1,Start,Increment\nSequence,Volt,2e-3,5e-3\n{}",
+                rows(|k| format!("{},{}", k + 7, mm(k)))
+            )
+            .into(),
+            "--columns displacement=CH1 --scale displacement=1e-3",
+            "units, and time by Start and Increment, from line 2",
+        ),
+        (
             "converter without times",
             format!("CH1\n{}", rows(mm)).into(),
             "--columns displacement=CH1 --unit mm --sample-rate 0.2kHz",
@@ -150,7 +172,7 @@ fn logs() -> Vec<(&'static str, Vec<u8>, &'static str, &'static str)> {
 }
 
 #[test]
-fn twelve_loggers_give_the_same_motion_and_every_guess_is_told() {
+fn loggers_give_the_same_motion_and_every_guess_is_told() {
     for (name, bytes, options, note) in logs() {
         let options = options.replace("Position_Soll", "Position Soll");
         let table = read(&bytes, &options).unwrap_or_else(|error| {
@@ -163,7 +185,7 @@ fn twelve_loggers_give_the_same_motion_and_every_guess_is_told() {
             (0..).zip(columns.time_s.iter().zip(columns.displacement_m.as_ref().unwrap()))
         {
             let off_s = time_s - start_s - 0.005 * f64::from(k);
-            assert!(off_s.abs() < 3e-7, "{name}, sample {k}: {off_s} s");
+            assert!(off_s.abs() < 1e-9, "{name}, sample {k}: {off_s} s");
             let off_m = arc_m - 1e-3 * arc_mm(k);
             assert!(off_m.abs() < 1e-8, "{name}, sample {k}: {off_m} m");
         }
@@ -233,9 +255,34 @@ fn doubts_are_refused_with_what_decides() {
                 "X,CH1,Start,Increment\nSequence,Volt,-3e-3,5e-3\n{}",
                 rows(|k| format!("{k},1,,"))
             ),
-            "--columns displacement=CH1 --sample-rate 200",
-            "log:2: CH1 = \"Volt\", but must be a number",
-            "--skip N leaves out lines",
+            "--columns displacement=CH1 --unit mm --sample-rate 200",
+            "log:1: --sample-rate = 200, but must be left out: column 1, \"time\" has the times",
+            "",
+        ),
+        (
+            format!(
+                "X,CH1,Start,Increment\nSequence,Volt,-3e-3,5e-3\n{}",
+                rows(|k| format!("{k},1,,"))
+            ),
+            "--columns displacement=CH1",
+            "log:1: unit of CH1 = \"Volt\", but must be a unit such as m or cm",
+            "--unit UNIT or --scale displacement=FACTOR",
+        ),
+        (
+            // An increment of 0 makes no times.
+            format!("X,CH1,Start,Increment\nSequence,Volt,0,0\n{}", rows(|k| format!("{k},1,,"))),
+            "--columns time=X,displacement=CH1",
+            "log:2: X = \"Sequence\", but must be a number",
+            "",
+        ),
+        (
+            format!(
+                "***End_of_Header***\t\nX_Value\tPosition (mm)\tComment\n{0}\t\t\nChannels\t1\t\nX_Value\tPosition (mm)\t\n{0}",
+                rows(|k| format!("{}\t{}", 0.005 * f64::from(k), arc_mm(k)))
+            ),
+            "",
+            "log:225: a further segment begins, but a table has one",
+            "--skip 224 reads this segment; write each one",
         ),
     ] {
         let error = read(text.as_bytes(), options).unwrap_err();
@@ -256,7 +303,7 @@ fn rows_without_a_value_and_repeated_rows_are_left_out_and_counted() {
         };
         format!("time [ms],displacement [mm]\n{}", rows(row))
     };
-    for gap in ["", "NaN", "-nan"] {
+    for gap in ["", "NaN", "-nan", "\u{221e}", "-\u{221e}", "inf"] {
         let error = read(text(gap, 1).as_bytes(), "").unwrap_err();
         assert!(error.to_string().starts_with("log:52: displacement = "), "{error}");
         assert!(error.hint().unwrap().starts_with("--resample STEP"), "{error}");
@@ -289,4 +336,78 @@ fn times_of_day_pass_midnight() {
     assert!((last_s - 1.1).abs() < 1e-9, "{last_s}");
     let note = "read time in s since 23:59:59.500 in line 2, past midnight";
     assert_eq!(table.reading().note().as_deref(), Some(note));
+}
+
+#[test]
+fn a_date_shows_the_order_of_the_next_ones() {
+    let date = |k: u32| {
+        let s = 86_399.5 + 0.005 * f64::from(k);
+        let (day, s) = if s < 86_400.0 { ("11/30/2026", s) } else { ("12/01/2026", s - 86_400.0) };
+        let [hours, minutes] = [s / 3600.0, s / 60.0 % 60.0].map(f64::floor);
+        format!("{day} {hours:02.0}:{minutes:02.0}:{:06.3}", s % 60.0)
+    };
+    let text =
+        format!("time,displacement [mm]\n{}", rows(|k| format!("{},{}", date(k), arc_mm(k))));
+    let table = read(text.as_bytes(), "").unwrap();
+    let last_s = *table.columns().unwrap().time_s.last().unwrap();
+    assert!((last_s - 1.1).abs() < 1e-9, "{last_s}");
+    // Neither date shows it.
+    let text = text.replace("11/30/2026", "12/11/2026").replace("12/01/2026", "12/12/2026");
+    let error = read(text.as_bytes(), "").unwrap_err().to_string();
+    assert!(error.contains("must show the order of day and month"), "{error}");
+}
+
+#[test]
+fn seconds_since_1970_keep_their_digits() {
+    let time = |k: u32| {
+        format!("17960594{}.{:04}", 45 + (1234 + 50 * k) / 10_000, (1234 + 50 * k) % 10_000)
+    };
+    let text =
+        format!("time,displacement [mm]\n{}", rows(|k| format!("{},{}", time(k), arc_mm(k))));
+    let table = read(text.as_bytes(), "").unwrap();
+    for (k, time_s) in (0..).zip(&table.columns().unwrap().time_s) {
+        assert!((time_s - 0.005 * f64::from(k)).abs() < 1e-13, "{k}: {time_s}");
+    }
+}
+
+#[test]
+fn every_line_is_a_sample_at_a_sample_rate() {
+    let text = format!("displacement [mm]\n{}", rows(|k| arc_mm(k).to_string()));
+    assert!(read(text.as_bytes(), "--sample-rate 200").is_ok());
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines[101] = "";
+    let error = read(lines.join("\n").as_bytes(), "--sample-rate 200").unwrap_err().to_string();
+    assert!(error.starts_with("log:102: has no sample, but must have one"), "{error}");
+}
+
+#[test]
+fn a_response_has_one_column_of_a_quantity_and_a_phase_in_its_unit() {
+    let response = |text: &str, keys: TableFormat| {
+        read_frequency_response("frf", text.as_bytes(), &keys).map(|found| found.values)
+    };
+    // A delay of 0.3 s, in radians that no wrapping limits.
+    let hertz = |k: u32| 1.0 + f64::from(k);
+    let phase = |k: u32| -std::f64::consts::TAU * 0.3 * hertz(k);
+    let rows = (0..30).map(|k| format!("{},{},{}\n", hertz(k), 1.0 / hertz(k), phase(k)));
+    let rows: String = rows.collect();
+    let scaled = TableFormat { scales: vec!["phase=1".parse().unwrap()], ..TableFormat::default() };
+    for (names, keys) in [
+        ("frequency_hz,gain_1,phase_rad", TableFormat::default()),
+        ("frequency,gain,phase", scaled.clone()),
+    ] {
+        let values = response(&format!("{names}\n{rows}"), keys).unwrap();
+        for (k, value) in (0..).zip(values) {
+            let exact = (phase(k).cos() / hertz(k), phase(k).sin() / hertz(k));
+            assert!(
+                (value.re - exact.0).abs() + (value.im - exact.1).abs() < 1e-12,
+                "{names}: {k}"
+            );
+        }
+    }
+    let two = "freq,magnitude,amplitude,phase [rad]\n1,2,3,0\n2,1,4,0\n3,1,2,0\n";
+    let error = response(two, TableFormat::default()).unwrap_err().to_string();
+    assert!(error.contains("must not repeat column 2"), "{error}");
+    let error =
+        response("frequency,real,imaginary\n1,2,3\n2,1,4\n", scaled).unwrap_err().to_string();
+    assert!(error.contains("scale = phase, but must be one of the columns read"), "{error}");
 }

@@ -7,7 +7,7 @@ fn read(text: &str) -> MotionTable {
 }
 
 #[test]
-fn a_resampling_step_must_fit_the_motion() {
+fn a_resampling_step_must_suit_the_motion() {
     let motion = read("time,displacement\n0,0\n1,1\n2,2\n3,3\n");
     let refused = |step_s: f64, must: &str, hint| {
         let error = motion.clone().resampled(step_s).unwrap_err();
@@ -21,12 +21,14 @@ fn a_resampling_step_must_fit_the_motion() {
     refused(2.0, "be at most 1 s, which gives 4 samples", None);
     let must = "be at least 3.00000e-7 s, which gives 1e7 samples";
     refused(1e-9, must, None);
-    let must = "divide the motion's 3 s into whole steps";
-    let hint = "the nearest steps that do are 0.6 s and 0.75 s";
-    refused(0.7, must, Some(hint));
-    refused(0.98, must, Some("the nearest steps that do are 0.75 s and 1 s"));
-    // The motion rests at its end: a twentieth of a step does not matter.
+    // The motion rests at its end: a twentieth of a step does not matter, and a rest fills the last step.
+    let filled = motion.clone().resampled(0.7).unwrap();
+    let note = "read 0.500 s of rest added after the last row";
+    assert_eq!(filled.reading().note().as_deref(), Some(note));
+    let filled = filled.columns().unwrap().displacement_m.clone().unwrap();
+    assert_eq!((filled.len(), filled[5].to_bits()), (6, 3.0_f64.to_bits()));
     let nearly = motion.resampled(0.99).unwrap();
+    assert_eq!(nearly.reading().note(), None);
     assert_eq!(
         nearly.columns().unwrap().displacement_m.as_ref().unwrap()[3].to_bits(),
         3.0_f64.to_bits()

@@ -203,9 +203,9 @@ fn every_room_is_on_its_floor() {
 }
 
 #[test]
-fn the_sources_are_at_most_330_files() {
+fn the_sources_are_at_most_335_files() {
     let count = sources("src").len();
-    assert!(count <= 330, "{count} files");
+    assert!(count <= 335, "{count} files");
 }
 
 #[test]

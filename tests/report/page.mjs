@@ -253,6 +253,23 @@ async function particulars(page, name) {
     for (const text of ["1.900", "damping ratio", "hysteretic, ratio 0.02", "the tip's travel", "the peak of the torque"])
       must((await seen("#results")).join().includes(text), `the tables lack ${text}`);
   });
+  if (name === "dots.html") await check("the CSV file of dots has a row for each case", async () => {
+    const { csv, cases } = await page.evaluate(async () => {
+      window.given.length = 0;
+      [...document.querySelectorAll("#fig-peak-torque .files button")].find((button) => button.textContent === "CSV").click();
+      const [head, ...rows] = [...document.querySelectorAll("#cases tr")].map((row) => [...row.cells].map((cell) => cell.textContent));
+      const places = ["hub.inertia", "peak_torque_n_m"].map((name) => head.indexOf(name));
+      return { csv: await window.given[0].blob.text(), cases: rows.map((row) => places.map((place) => +row[place])) };
+    });
+    const rows = csv.trim().split("\n").slice(1).map(fieldsOf);
+    must(rows.length === 72 && cases.length === 72, `${rows.length} rows of ${cases.length} cases`);
+    for (const [x, torque] of cases) {
+      const at = rows.findIndex((row) => Math.abs(row[0] - x) < 1e-6 && Math.abs(row[1] - torque) < 1e-4 * torque);
+      must(at >= 0, `no row of ${x}, ${torque}`);
+      const [[, , kind]] = rows.splice(at, 1);
+      must(kind === (torque > 1.5 ? "over the limit 1.5 N m" : "within the limit"), `${torque} N m: ${kind}`);
+    }
+  });
   if (name.endsWith("report.html")) await check("captions have the numbers of the tables", async () => {
     const rows = await page.$$eval("#results .readings tr, #results .scroll tr", (all) => all.map((row) => row.textContent));
     for (const [figure, words] of [["fig-torque", "peak torque"], ["fig-torque-1", "peak torque"], ["fig-tip-acceleration", "peak tip acceleration"], ["fig-tip-deflection", "peak deflection"]]) {

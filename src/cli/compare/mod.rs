@@ -46,7 +46,8 @@ const QUIET: &str = "Print nothing but warnings and errors; the exit code says i
 /// largest absolute value of its column in EXPECTED; words and empty fields may not differ. Columns are matched by
 /// name, rows by the first
 /// column where it increases on both sides (time_s, frequency_hz), otherwise by number. Columns, rows and files that
-/// only one side has are differences, too. A CSV file has a row of names, commas, and # before comments.
+/// only one side has are differences, too. A CSV file has the form that this program writes: a row of names, commas, decimal
+/// points, and # before comments.
 #[derive(Debug, Args)]
 #[command(about = "Compare tables column by column", after_help = EXAMPLE)]
 #[command(mut_arg("json", |json| json.help("Print everything as JSON instead of the table")))]

@@ -17,6 +17,10 @@ use crate::cli::terminal::{Exit, Failure, memory};
 /// Name of the file of tolerances beside the golden files.
 pub(super) const TOLERANCES: &str = "tolerances.toml";
 
+/// Remedy for tables in another form than that of this program.
+const FORM: &str = "compare reads tables as this program writes them: one row of names, commas between fields, points before \
+                    decimals, UTF-8";
+
 /// Memory for reading and comparing two tables besides their files, over the size of these, as measured.
 const TABLE_TIMES: usize = 3;
 
@@ -215,7 +219,10 @@ fn both_tables(
 /// The table in a file; for a summary.json the table of its results.
 fn table_of(file: &InputFile) -> Result<Table, Failure> {
     if file.name != SUMMARY {
-        return Ok(read_table(&file.shown, &file.bytes)?);
+        return read_table(&file.shown, &file.bytes).map_err(|error| {
+            let hint = Some(file.disguise().unwrap_or(FORM).to_owned());
+            Failure { hint, ..Failure::from(error) }
+        });
     }
     results_table(&file.bytes).ok_or_else(|| {
         let message = format!("{}: the summary holds no results of a run", file.shown);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::common::{finite, hertz, option, quantity};
-use super::reading::{ReadArgs, Step, TableName};
+use super::reading::{ReadArgs, TableName};
 use crate::cli::terminal::{Exit, Failure, console};
 use crate::csv::{InputFile, MotionTable, Reading, SampleRows, TableFormat, read_motion_table_as};
 use crate::link::{Arm, Link};
@@ -102,21 +102,16 @@ pub(crate) fn warn_of_gravity(link: &Link, of_carriage: &str) -> usize {
     1
 }
 
-/// The step of a trajectory, and what its samples are worth.
+/// The quality of a trajectory's samples, and its ends.
 #[derive(Debug, Args)]
-pub struct ResampleArgs {
-    /// Make the trajectory uniform by a cubic spline, at this step in s or with its unit, as in "10 ms". Rows without a
-    /// value and rows that repeat a time are left out and counted.
-    #[arg(long, value_name = "STEP", allow_hyphen_values = true)]
-    resample: Option<Step>,
-
+pub struct SampleArgs {
     /// Replace samples that do not follow their neighbours by the values that these predict, and count them.
     #[arg(long)]
     drop_outliers: bool,
 
-    /// Standard deviation of the noise of a displacement or of an arm's path, in m or with its unit, as in "0.1 mm", or of a
-    /// motion of angles with theirs, as in 0.005deg: the tip follows the samples only as closely as the noise allows. A
-    /// direction of a link has a noise in m over its length. Without it the decimals of the file decide.
+    /// Standard deviation of the noise of the samples: a length in m or with its unit, as in "0.1 mm", or an angle with its
+    /// unit, as in 0.005deg, for a motion of angles. The tip follows the samples only as closely as the noise allows. The
+    /// noise of an arm's angles may be a length, too: that of each link's tip [default: from the decimals of the file].
     #[arg(long, value_name = "VALUE", value_parser = noise, allow_hyphen_values = true)]
     noise: Option<Noise>,
 
@@ -126,7 +121,7 @@ pub struct ResampleArgs {
 
     /// The trajectory is one cycle of a motion that repeats: its first row follows the last one, a step
     /// later.
-    #[arg(long, conflicts_with_all = ["resample", "noise"])]
+    #[arg(long, conflicts_with = "noise")]
     periodic: bool,
 
     /// The tip moves before the first row and after the last one, at constant velocity. A velocity column implies
@@ -146,17 +141,19 @@ pub(crate) fn worded(failure: Failure, file: &InputFile, arm: &Arm) -> Failure {
     Failure { message, hint, ..failure }
 }
 
-/// The wanted motion, and the rows of its samples.
+/// The wanted motion, the rows of its samples, and the deviations of its table from the standard form.
 #[derive(Debug, Clone)]
 pub struct Wanted {
     pub motion: Motion,
     pub rows: SampleRows,
+    pub reading: Reading,
 }
 
 impl Wanted {
     /// The motion over another distance and duration.
     pub fn scaled(&self, scale: MotionScale) -> Result<Self, MotionError> {
-        Ok(Self { motion: self.motion.scaled(scale)?, rows: self.rows.clone() })
+        let (rows, reading) = (self.rows.clone(), self.reading.clone());
+        Ok(Self { motion: self.motion.scaled(scale)?, rows, reading })
     }
 
     /// The same for a case of a sweep, which an error refuses.
@@ -176,26 +173,29 @@ pub fn are_read_alike(one: &Arm, other: &Arm) -> bool {
 #[derive(Debug, Args)]
 pub struct MotionArgs {
     #[command(flatten)]
-    pub resample: ResampleArgs,
+    pub read: ReadArgs,
+
+    #[command(flatten)]
+    pub samples: SampleArgs,
 
     #[command(flatten)]
     pub scale: ScaleArgs,
-
-    #[command(flatten)]
-    pub read: ReadArgs,
 }
 
 impl MotionArgs {
     /// The options for the table of the motion.
     pub fn format(&self) -> TableFormat {
-        let ResampleArgs { drop_outliers, resample, .. } = &self.resample;
-        let resample_s = resample.as_ref().map(|own| own.step_s);
-        let read = self.read.first(TableName::Motion);
-        TableFormat { drop_outliers: *drop_outliers, resample_s, ..read }
+        let read = self.read.format(TableName::Motion, TableName::Motion);
+        TableFormat { drop_outliers: self.samples.drop_outliers, ..read }
     }
 
-    /// Reads the motion of an arm; also returns the deviations of the file from the standard form.
-    pub fn motion_of(&self, file: &InputFile, arm: &Arm) -> Result<(Wanted, Reading), Failure> {
+    /// Arguments for the record.
+    pub fn arguments(&self) -> Vec<String> {
+        [self.read.arguments(), self.samples.arguments(), self.scale.arguments()].concat()
+    }
+
+    /// Reads the motion of an arm.
+    pub fn motion_of(&self, file: &InputFile, arm: &Arm) -> Result<Wanted, Failure> {
         let (lengths_m, format) = (arm.lengths_m(), self.format());
         let table = read_motion_table_as(&file.shown, &file.bytes, &lengths_m, &format);
         let table = table.map_err(|error| {
@@ -206,9 +206,41 @@ impl MotionArgs {
             let hint = is_turned.then(|| hint.to_owned()).or(failure.hint);
             Failure { hint, ..failure }
         })?;
-        let reading = table.reading().clone();
-        let wanted = self.resample.motion_in(table, Some(arm));
-        Ok((wanted.map_err(|failure| worded(failure, file, arm))?, reading))
+        self.motion_in(table, Some(arm)).map_err(|failure| worded(failure, file, arm))
+    }
+
+    /// The motion of a table; without an arm, of a link without gravity.
+    pub fn motion_in(&self, table: MotionTable, arm: Option<&Arm>) -> Result<Wanted, Failure> {
+        let link = arm.and_then(|arm| arm.links().first()).map(|own| &own.link);
+        let table = match link {
+            Some(link) => table.of_link(link)?,
+            None => table,
+        };
+        let SampleArgs { noise, lowpass, .. } = &self.samples;
+        let ends = self.samples.ends();
+        let table = table.with_ends(ends);
+        let table = match self.format().resample_s {
+            Some(_) if ends == Ends::Periodic => {
+                let message = "--resample stands beside --periodic, but a cycle keeps its own step";
+                return Err(Failure::new(Exit::Usage, &message, None));
+            }
+            Some(step_s) => table.resampled(step_s)?,
+            None => table,
+        };
+        let table = match noise {
+            Some(Noise { deviation, is_angle: true, .. }) => {
+                let length_m = arm.map_or(1.0, |arm| arm.lengths_m()[0]);
+                table.with_angle_noise(*deviation, length_m)?
+            }
+            Some(Noise { deviation, .. }) => table.with_noise(*deviation)?,
+            None => table,
+        };
+        let table = match lowpass {
+            Some(hertz) => table.with_lowpass(*hertz),
+            None => table,
+        };
+        let (rows, reading) = (table.rows().clone(), table.reading().clone());
+        Ok(Wanted { motion: table.into_motion()?, rows, reading })
     }
 }
 
@@ -240,38 +272,9 @@ fn positive(text: &str) -> Result<f64, String> {
     above_zero.ok_or_else(|| "must be a frequency above 0".into())
 }
 
-impl ResampleArgs {
-    /// The motion of a table; without an arm, of a link without gravity.
-    pub fn motion_in(&self, table: MotionTable, arm: Option<&Arm>) -> Result<Wanted, Failure> {
-        let link = arm.and_then(|arm| arm.links().first()).map(|own| &own.link);
-        let table = match link {
-            Some(link) => table.of_link(link)?,
-            None => table,
-        };
-        let table = table.with_ends(self.ends());
-        let table = match &self.resample {
-            Some(Step { step_s, .. }) => table.resampled(*step_s)?,
-            None => table,
-        };
-        let table = match &self.noise {
-            Some(Noise { deviation, is_angle: true, .. }) => {
-                let length_m = arm.map_or(1.0, |arm| arm.lengths_m()[0]);
-                table.with_angle_noise(*deviation, length_m)?
-            }
-            Some(Noise { deviation, .. }) => table.with_noise(*deviation)?,
-            None => table,
-        };
-        let table = match self.lowpass {
-            Some(hertz) => table.with_lowpass(hertz),
-            None => table,
-        };
-        let rows = table.rows().clone();
-        Ok(Wanted { motion: table.into_motion()?, rows })
-    }
-
+impl SampleArgs {
     /// Arguments for the record.
     pub fn arguments(&self) -> Vec<String> {
-        let resample = self.resample.as_ref().map(|step| option("--resample", step));
         let dropped = self.drop_outliers.then(|| vec!["--drop-outliers".to_owned()]);
         let noise = self.noise.as_ref().map(|noise| option("--noise", &noise.text));
         let lowpass = self.lowpass.map(|hertz| option("--lowpass", hertz));
@@ -280,7 +283,7 @@ impl ResampleArgs {
             Ends::Moving => Some(vec!["--moving-ends".to_owned()]),
             Ends::Periodic => Some(vec!["--periodic".to_owned()]),
         };
-        [resample, dropped, noise, lowpass, ends].into_iter().flatten().flatten().collect()
+        [dropped, noise, lowpass, ends].into_iter().flatten().flatten().collect()
     }
 
     fn ends(&self) -> Ends {

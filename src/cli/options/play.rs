@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::csv::{
-    ClockTime, InputFile, Joints, MotionBegins, Reading, TableError, TableFormat,
-    read_joint_references, read_joint_torques, read_record, read_recording_as, read_target,
-    read_tip_places, read_torque_table_as,
+    ClockTime, InputFile, Joints, Reading, TableError, TableFormat, read_joint_references,
+    read_joint_torques, read_record, read_recording_as, read_target, read_tip_places,
+    read_torque_table_as,
 };
 use crate::fit::RecordedInput;
 use crate::link::{Arm, ParameterError};
@@ -15,12 +15,12 @@ use crate::numeric::TimeGrid;
 use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::{SimulateFiles, read_state};
-use crate::text::plain;
+use crate::text::given;
 
 use super::common::{angle_rad, metres, option, seconds};
 use super::inputs::worded;
 use super::moves::{AtRest, Begins, Moves, Moving, of_motor, under_voltages, voltage};
-use super::reading::{PlayedTables, TableName, tell};
+use super::reading::{ReadArgs, TableName, tell};
 use crate::cli::terminal::{Exit, Failure, console};
 
 /// Quantity that moves the link: of a hub, or of a carriage.
@@ -48,16 +48,22 @@ impl InputKind {
 /// The torque between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Hold {
+    /// Each sample until the next one, as a converter plays a table.
     Zero,
+    /// Straight lines.
     Linear,
+    /// A cubic spline.
     Cubic,
 }
+
+/// Tables of a simulation. The first takes the options of reading without a name.
+const TABLES: [TableName; 4] =
+    [TableName::Torque, TableName::Target, TableName::Reference, TableName::Measured];
 
 /// Course of a torque between its samples.
 #[derive(Debug, Args)]
 pub(crate) struct HoldArgs {
-    /// The torque between the samples of TORQUE: a cubic spline, straight lines, or each sample held until
-    /// the next one, as a converter plays a table.
+    /// Course of the torque between the samples of TORQUE.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = Hold::Cubic)]
     hold: Hold,
 
@@ -79,7 +85,7 @@ impl HoldArgs {
 
     /// Refuses times off a uniform step for a held torque, because a spline that makes them uniform rings at its steps.
     pub(crate) fn refuse_jitter(&self, file: &InputFile, reading: &Reading) -> Result<(), Failure> {
-        if reading.jitter().is_none() || self.interpolation() == Interpolation::Cubic {
+        if !reading.is_interpolated() || self.interpolation() == Interpolation::Cubic {
             return Ok(());
         }
         let must = "must be for --hold zero or linear";
@@ -221,6 +227,16 @@ impl DrivenFiles {
     }
 }
 
+/// The failure of a reference that does not last as long as the torque, after both were shifted.
+fn uncovered(file: &InputFile, reference: &TimeGrid, torque: &TimeGrid) -> Failure {
+    let [found, must] = [reference, torque]
+        .map(|own| format!("{} … {} s", given(own.time_s(0)), given(own.end_s())));
+    let message = format!("{}: times = {found}, but must cover {must} of TORQUE", file.shown);
+    let hint =
+        "a comment `motion begins at` shifted the times of a table to those of the motion's file";
+    Failure::new(Exit::InputRefused, &message, Some(hint))
+}
+
 /// The files of a simulation beside that of link or arm, read.
 pub(crate) struct Playing {
     pub(crate) files: DrivenFiles,
@@ -259,7 +275,7 @@ impl MovingArgs {
         };
         self.hold.refuse_jitter(&input, &reading)?;
         tell(shown, &reading);
-        let since = reading.since().cloned();
+        let (since, has_beginning) = (reading.since().cloned(), reading.has_beginning());
         let (mut references, mut of_reference) = (Vec::new(), None);
         if let Some((path, file)) = self.reference.as_deref().zip(reference.as_ref()) {
             let name = TableName::Reference;
@@ -269,13 +285,11 @@ impl MovingArgs {
             name.tell(&file.shown, &reading);
             references = own;
             of_reference = with_carriage_moved(&mut references, (arm, path), &form)?;
-            let begins = [&input.bytes, &file.bytes].map(|bytes| MotionBegins::find(bytes));
-            if begins.iter().any(Option::is_some) {
-                let shift_s = shifted(&input, file).unwrap_or(0.0);
+            if has_beginning || reading.has_beginning() {
                 let grid = moving.input().grid();
-                // Other times than these are refused later.
-                let own = references.iter().map(|own| own.on_times(&grid, shift_s));
-                references = own.collect::<Option<_>>().unwrap_or(references);
+                let own = references.iter().map(|own| own.on_times(&grid));
+                let own = own.collect::<Option<_>>();
+                references = own.ok_or_else(|| uncovered(file, &references[0].grid(), &grid))?;
             }
         }
         let feedback = feedback(self.feedback.as_deref(), references, arm)?;
@@ -457,15 +471,16 @@ impl PlayArgs {
         &self,
         arm: &Arm,
         is_large: bool,
-        tables: &PlayedTables,
+        read: &ReadArgs,
     ) -> Result<Playing, Failure> {
         self.check(arm)?;
-        tables.check()?;
+        read.check(&TABLES)?;
         let (links, joints) = (arm.links().len(), Joints::from(arm));
         let link = arm.alone();
+        let options = |table| read.format(table, TABLES[0]);
         let Driven { files, moving, feedback, since } =
-            self.moving.load(&self.file, arm, &|table| tables.format(table))?;
-        let format = |table| TableFormat { since: since.clone(), ..tables.format(table) };
+            self.moving.load(&self.file, arm, &options)?;
+        let format = |table| TableFormat { since: since.clone(), ..options(table) };
         let open = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
         let [target_file, measured, state_file] =
             [open(&self.target)?, open(&self.measured)?, open(&self.state)?];
@@ -485,16 +500,14 @@ impl PlayArgs {
                     .map_err(|error| name.refused(error.into()))?,
             };
             name.tell(&file.shown, &reading);
-            let shift_s = shifted(&files.input, file).unwrap_or(0.0);
-            let grid = TimeGrid { origin_s: target.grid.origin_s + shift_s, ..target.grid };
-            Ok(TipPlaces { grid, ..target })
+            Ok(target)
         });
         let target = target.transpose()?;
         let measured = measured.map(|file| -> Result<_, Failure> {
             let name = TableName::Measured;
             // One table with both has its columns from the options without a name.
             let is_same =
-                file.bytes == files.input.bytes && tables.format(name) == TableFormat::default();
+                file.bytes == files.input.bytes && options(name) == TableFormat::default();
             let own = format(if is_same { TableName::Torque } else { name });
             let read = read_recording_as(&file.shown, &file.bytes, joints, &own);
             let (recording, reading) = read.map_err(|error| {
@@ -559,19 +572,6 @@ impl PlayArgs {
         let others = until.into_iter().chain(periodic).chain(at).chain(carriage_at);
         self.moving.arguments().into_iter().chain(others.flatten()).collect()
     }
-}
-
-/// Shift in s that takes the times of a file to those of the input, where a comment says when the motion begins in one of
-/// them. Says so.
-fn shifted(input: &InputFile, file: &InputFile) -> Option<f64> {
-    let begins = [input, file].map(|own| MotionBegins::find(&own.bytes));
-    let shift_s = MotionBegins::shift_s(begins[0], begins[1])?;
-    let (shown, shift) = (&file.shown, plain(shift_s));
-    console::note(&format!(
-        "{shown}: times shifted by {shift} s, to the motion of {}",
-        input.shown
-    ));
-    Some(shift_s)
 }
 
 /// Adds the force of an arm's carriage from force.csv beside the file of the torques, unless this file has it.

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use clap::Args;
+use clap::{Arg, Args};
 
 use super::common::{option, seconds};
 use crate::cli::terminal::{Exit, Failure, console};
@@ -53,24 +53,12 @@ impl TableName {
     }
 }
 
-/// Options of reading that a hint or a refusal may name.
-const OPTIONS: [&str; 9] = [
-    "--columns",
-    "--time-unit",
-    "--sample-rate",
-    "--unit",
-    "--scale",
-    "--skip",
-    "--delimiter",
-    "--decimal",
-    "--resample",
-];
-
 impl TableName {
     /// A text whose options of reading are for this table, unless they name another one.
     fn named(self, text: &str) -> String {
-        OPTIONS.iter().fold(text.to_owned(), |text, option| {
-            let option = format!("{option} ");
+        let options = ReadArgs::augment_args(clap::Command::new(""));
+        options.get_arguments().filter_map(Arg::get_long).fold(text.to_owned(), |text, option| {
+            let option = format!("--{option} ");
             let mut parts = text.split(&option);
             let first = parts.next().unwrap_or_default().to_owned();
             parts.fold(first, |text, part| match split_table(part) {
@@ -155,10 +143,14 @@ where
 /// An option is for the first table of the command; `--columns measured:tip=pos` is for another one.
 #[derive(Debug, Default, Args)]
 pub struct ReadArgs {
+    /// Make the times of a table uniform by a cubic spline, at this step in s or with its unit, as in '10 ms'. Rows without
+    /// a value and rows that repeat a time are left out and counted. This option and the next ones are for the first table
+    /// of the command; with the name of another one before the value for that: 'measured:10 ms'.
+    #[arg(long, help_heading = READING, value_name = "[TABLE:]STEP", allow_hyphen_values = true)]
+    resample: Vec<Named<Step>>,
+
     /// Column of each quantity, by its number from 1 or by its heading: time=1,displacement=3 or displacement=pos;
-    /// for an arm's path x, y, angle1, angle2, … A table without headings needs the
-    /// time, too. This option and the next ones are for the first table of the command; with a name before them for
-    /// another one: measured:tip=pos. Names are motion, torque, target, reference, measured, applied.
+    /// for an arm's path x, y, angle1, angle2, … A table without headings needs the time, too.
     #[arg(long, help_heading = READING, value_name = "[TABLE:]QUANTITY=COLUMN")]
     columns: Vec<List<ColumnChoice>>,
 
@@ -193,20 +185,11 @@ pub struct ReadArgs {
     decimal: Vec<Named<Decimal>>,
 }
 
-/// Uniform times for the tables of a simulation.
-#[derive(Debug, Default, Args)]
-pub struct GapArgs {
-    /// Make the times of a table uniform by a cubic spline, at this step in s or with its unit. Rows without a value and
-    /// rows that repeat a time are left out and counted.
-    #[arg(long, help_heading = READING, value_name = "[TABLE:]STEP", allow_hyphen_values = true)]
-    resample: Vec<Named<Step>>,
-}
-
 /// A time as written, and in s.
 #[derive(Debug, Clone)]
-pub struct Step {
+struct Step {
     text: String,
-    pub step_s: f64,
+    step_s: f64,
 }
 
 impl FromStr for Step {
@@ -223,40 +206,8 @@ impl fmt::Display for Step {
     }
 }
 
-/// The tables of a simulation, the first of them the torque.
-#[derive(Debug, Default, Args)]
-pub(crate) struct PlayedTables {
-    #[command(flatten)]
-    read: ReadArgs,
-
-    #[command(flatten)]
-    gaps: GapArgs,
-}
-
-impl PlayedTables {
-    /// The options for a table.
-    pub(crate) fn format(&self, table: TableName) -> TableFormat {
-        let is_first = table == TableName::Torque;
-        let is_of = |own: Option<TableName>| own.map_or(is_first, |own| own == table);
-        let resample_s = last(&self.gaps.resample, is_of).map(|own| own.step_s);
-        TableFormat { resample_s, ..self.read.format(is_of) }
-    }
-
-    /// Refuses options for tables that a simulation does not read.
-    pub(crate) fn check(&self) -> Result<(), Failure> {
-        const TABLES: [TableName; 4] =
-            [TableName::Torque, TableName::Target, TableName::Reference, TableName::Measured];
-        let mut of_gaps = self.gaps.resample.iter().filter_map(|own| own.table);
-        self.read.check(&TABLES)?;
-        of_gaps.find(|own| !TABLES.contains(own)).map_or(Ok(()), |own| Err(own.unread(&TABLES)))
-    }
-
-    /// Arguments for the record.
-    pub(crate) fn arguments(&self) -> Vec<String> {
-        let gaps = self.gaps.resample.iter().flat_map(|own| option("--resample", own));
-        self.read.arguments().into_iter().chain(gaps).collect()
-    }
-}
+/// An option with its table and its value.
+type Given = (&'static str, Option<TableName>, String);
 
 /// The last value for a table.
 fn last<T: Clone>(values: &[Named<T>], is_of: impl Fn(Option<TableName>) -> bool) -> Option<T> {
@@ -270,26 +221,19 @@ fn all<T: Clone>(lists: &[List<T>], is_of: impl Fn(Option<TableName>) -> bool) -
 }
 
 impl ReadArgs {
-    /// The options for the first table of a command.
-    pub fn first(&self, table: TableName) -> TableFormat {
-        self.format(|own| own.is_none_or(|own| own == table))
-    }
-
-    /// The options for another table.
-    pub fn other(&self, table: TableName) -> TableFormat {
-        self.format(|own| own == Some(table))
-    }
-
-    fn format(&self, is_of: impl Fn(Option<TableName>) -> bool) -> TableFormat {
+    /// The options for a table of a command whose `first` table takes the options without a name.
+    pub fn format(&self, table: TableName, first: TableName) -> TableFormat {
+        let is_of = |own: Option<TableName>| own.unwrap_or(first) == table;
         TableFormat {
-            skip: last(&self.skip, &is_of).unwrap_or_default(),
-            delimiter: last(&self.delimiter, &is_of),
-            decimal: last(&self.decimal, &is_of),
-            columns: all(&self.columns, &is_of),
-            scales: all(&self.scale, &is_of),
-            time_unit: last(&self.time_unit, &is_of),
-            unit: last(&self.unit, &is_of),
-            sample_rate: last(&self.sample_rate, &is_of),
+            resample_s: last(&self.resample, is_of).map(|own| own.step_s),
+            skip: last(&self.skip, is_of).unwrap_or_default(),
+            delimiter: last(&self.delimiter, is_of),
+            decimal: last(&self.decimal, is_of),
+            columns: all(&self.columns, is_of),
+            scales: all(&self.scale, is_of),
+            time_unit: last(&self.time_unit, is_of),
+            unit: last(&self.unit, is_of),
+            sample_rate: last(&self.sample_rate, is_of),
             ..TableFormat::default()
         }
     }
@@ -297,70 +241,54 @@ impl ReadArgs {
     /// Refuses options for tables that a command does not read, and two values for one table. The first of `tables` takes
     /// the options without a name.
     pub(crate) fn check(&self, tables: &[TableName]) -> Result<(), Failure> {
-        let first = tables.first().copied();
-        let twice = [
-            ("--time-unit", self.time_unit.iter().map(|own| own.table).collect()),
-            ("--sample-rate", self.sample_rate.iter().map(|own| own.table).collect()),
-            ("--unit", self.unit.iter().map(|own| own.table).collect()),
-            ("--skip", self.skip.iter().map(|own| own.table).collect()),
-            ("--delimiter", self.delimiter.iter().map(|own| own.table).collect()),
-            ("--decimal", self.decimal.iter().map(|own| own.table).collect::<Vec<_>>()),
-        ];
-        for (option, tables) in twice {
-            let mut of: Vec<_> = tables.into_iter().map(|own| own.or(first)).collect();
-            let all = of.len();
-            of.sort_by_key(|own| own.map(TableName::word));
-            of.dedup();
-            if of.len() < all {
+        let given = self.given();
+        let of = |table: Option<TableName>| table.or(tables.first().copied());
+        for (number, (option, table, _)) in given.iter().enumerate() {
+            if let Some(table) = table.filter(|table| !tables.contains(table)) {
+                return Err(table.unread(tables));
+            }
+            let is_list = ["--columns", "--scale"].contains(option);
+            let is_same = |own: &Given| own.0 == *option && of(own.1) == of(*table);
+            if !is_list && given[..number].iter().any(is_same) {
                 let message = format!("{option} has two values for one table, but must have one");
                 return Err(Failure::new(Exit::Usage, &message, None));
             }
         }
-        let Some(table) = self.tables().into_iter().find(|own| !tables.contains(own)) else {
-            return Ok(());
-        };
-        Err(table.unread(tables))
+        Ok(())
     }
 
-    /// Tables that options name.
-    fn tables(&self) -> Vec<TableName> {
-        fn of<T>(values: &[Named<T>]) -> impl Iterator<Item = TableName> {
-            values.iter().filter_map(|own| own.table)
-        }
-        let columns = self.columns.iter().flat_map(|List(own)| of(own));
-        let scales = self.scale.iter().flat_map(|List(own)| of(own));
-        let units = of(&self.time_unit).chain(of(&self.unit)).chain(of(&self.sample_rate));
-        let signs = of(&self.skip).chain(of(&self.delimiter)).chain(of(&self.decimal));
-        columns.chain(scales).chain(units).chain(signs).collect()
-    }
-
-    /// Arguments for the first table of a command.
-    pub fn arguments_of_first(&self, table: TableName) -> Vec<String> {
-        let named = |text: &String| split_table(text).0.is_some_and(|own| own != table);
-        let arguments = self.arguments();
-        let pairs = arguments.chunks(2).filter(|pair| !pair.last().is_some_and(named));
-        pairs.flatten().cloned().collect()
+    /// Options for a table of a command whose `first` table takes those without a name.
+    pub fn options_of(&self, table: TableName, first: TableName) -> Vec<&'static str> {
+        let of_table = |own: &Given| own.1.unwrap_or(first) == table;
+        self.given().into_iter().filter(of_table).map(|(option, ..)| option).collect()
     }
 
     /// Arguments for the record.
     pub fn arguments(&self) -> Vec<String> {
-        fn told<'a, T: fmt::Display + 'a>(
-            name: &'static str,
-            values: impl IntoIterator<Item = &'a Named<T>>,
-        ) -> Vec<String> {
-            values.into_iter().flat_map(|own| option(name, own)).collect()
-        }
         // Reading from line 1 is the default.
-        let skip = self.skip.iter().filter(|own| own.value != 0);
+        let is_told = |own: &Given| !(own.0 == "--skip" && own.2 == "0");
+        let told = self.given().into_iter().filter(is_told);
+        told.flat_map(|(name, _, value)| option(name, value)).collect()
+    }
+
+    /// All options with their tables and values.
+    fn given(&self) -> Vec<Given> {
+        fn each<'a, T: fmt::Display + 'a>(
+            option: &'static str,
+            values: impl IntoIterator<Item = &'a Named<T>>,
+        ) -> Vec<Given> {
+            values.into_iter().map(|own| (option, own.table, own.to_string())).collect()
+        }
         [
-            told("--columns", self.columns.iter().flat_map(|List(own)| own)),
-            told("--time-unit", &self.time_unit),
-            told("--sample-rate", &self.sample_rate),
-            told("--unit", &self.unit),
-            told("--scale", self.scale.iter().flat_map(|List(own)| own)),
-            told("--skip", skip),
-            told("--delimiter", &self.delimiter),
-            told("--decimal", &self.decimal),
+            each("--resample", &self.resample),
+            each("--columns", self.columns.iter().flat_map(|List(own)| own)),
+            each("--time-unit", &self.time_unit),
+            each("--sample-rate", &self.sample_rate),
+            each("--unit", &self.unit),
+            each("--scale", self.scale.iter().flat_map(|List(own)| own)),
+            each("--skip", &self.skip),
+            each("--delimiter", &self.delimiter),
+            each("--decimal", &self.decimal),
         ]
         .concat()
     }
@@ -398,19 +326,31 @@ mod tests {
     #[test]
     fn options_go_to_their_tables_and_are_recorded() {
         let read = parsed(
-            "--columns time=1,torque=2,measured:time=3,tip=4 --unit measured:mm --skip 2 --skip target:3",
+            "--columns time=1,torque=2,measured:time=3,tip=4 --unit measured:mm --skip 2 --skip target:3 \
+             --resample measured:5ms",
         );
         let choices = |format: TableFormat| {
             format.columns.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
         };
-        let first = read.first(TableName::Torque);
+        let format = |table| read.format(table, TableName::Torque);
+        let first = format(TableName::Torque);
         assert_eq!((first.skip, first.unit.is_none()), (2, true));
         assert_eq!(choices(first), "time=1,torque=2");
-        let measured = read.other(TableName::Measured);
+        let measured = format(TableName::Measured);
         assert_eq!((measured.skip, measured.unit.is_some()), (0, true));
+        assert_eq!(measured.resample_s, Some(0.005));
         assert_eq!(choices(measured), "time=3,tip=4");
-        assert_eq!(read.other(TableName::Target).skip, 3);
+        assert_eq!(format(TableName::Target).skip, 3);
         assert_eq!(parsed(&read.arguments().join(" ")).arguments(), read.arguments());
         assert!(read.check(&[TableName::Torque, TableName::Measured]).is_err());
+    }
+
+    #[test]
+    fn a_hint_names_the_table_behind_every_option_of_reading_and_no_other() {
+        let hint =
+            "--resample STEP, --skip 2 or --columns torque:time=1; --column NAME; --drop-outliers";
+        let named = "--resample measured:STEP, --skip measured:2 or --columns torque:time=1; --column NAME; \
+                     --drop-outliers";
+        assert_eq!(TableName::Measured.named(hint), named);
     }
 }

@@ -128,7 +128,7 @@ impl Compared<'_> {
             self.options.histories(self.problem, solution, Hold::Position).ok()?;
         let histories = (&histories, end_s);
         let held = (Hold::Position, &[][..], Thinned::Yes);
-        let held = RobustOptions::command(self.problem, solution, histories, held).ok()?;
+        let held = self.problem.command(solution, histories, held).ok()?;
         let held = held.plant((arm, meshes), (0.0, 1.0, end_s), &[]).ok()?.rings?;
         let omega_rad_s = held.omega_rad_s() / SLOWER;
         let two_digits = |gain: f64| significant(gain, 2).parse::<f64>().ok();
@@ -159,7 +159,7 @@ impl Compared<'_> {
     ) -> Option<Help> {
         let Specification { arm, meshes, .. } = &self.problem.specification;
         let how = (hold, gains, Thinned::Yes);
-        let command = RobustOptions::command(self.problem, solution, histories, how).ok()?;
+        let command = self.problem.command(solution, histories, how).ok()?;
         let command = command.refined(arm, meshes).ok()?;
         let end_s = command.end_s;
         let nominal = command.plant((arm, meshes), (0.0, 1.0, end_s), &[]).ok()?;

@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::csv::{Digits, InputFile};
-use crate::elastica::SecondOrder;
 use crate::inverse::{Analysis, Solution};
 use crate::link::{Arm, ArmLink, Damping};
 use crate::model::KeptModes;
@@ -20,8 +19,8 @@ use crate::page::{Figures, page};
 use crate::response::SimulationError;
 use crate::result::{Limits, Notice};
 use crate::robust::{
-    Command, CommandError, Distribution, Histories, Hold, Plant, PlantError, PlantKind, PlantTip,
-    PlayErrors, Quantiles, RobustSummary, Robustness, Sample, Study, Thinned,
+    Command, Distribution, Histories, Hold, Plant, PlantError, PlantKind, PlantTip, PlayErrors,
+    Quantiles, RobustSummary, Robustness, Sample, Study, Thinned,
 };
 use crate::spec::{Override, Specification, Uncertain};
 use crate::store::{Fingerprint, REPORT, RobustFiles, RobustInputs, StoredResult, robust_json};
@@ -73,12 +72,15 @@ enum Distributed {
 enum Played {
     /// The answer of solve.
     Inverse,
-    /// That of rigid links.
+    /// The answer for rigid links.
     Rigid,
-    /// The same, shaped for the lowest mode that rings.
+    /// The rigid answer, shaped by ZV for the lowest mode that rings.
     Zv,
+    /// Shaped by ZVD.
     Zvd,
+    /// Shaped by EI.
     Ei,
+    /// Shaped by the two-hump EI shaper.
     #[value(name = "2hump")]
     TwoHump,
 }
@@ -121,11 +123,11 @@ enum Amount {
     Metres(f64),
 }
 
-/// Say what the tip does where the link differs from its file.
+/// Compute how far the tip strays if the link differs from its file.
 ///
 /// Plays the torque of solve, or its motion of the joints, on plants whose values differ within intervals: each key
-/// alone, all corners, and a seeded sample. Prints the worst error of the tip, the vibration and the drift that stay,
-/// quantiles over the sample, and which key it is.
+/// alone, all corners, and a seeded sample. Prints the worst error of the tip, the remaining vibration and drift,
+/// quantiles over the sample, and the share of each key in the error.
 ///
 /// Tip error is the largest distance of the tip from the wanted motion, up to one period after its end. Rest
 /// vibration is half the range of the error over this period, drift its mean. The period is that of the lowest mode
@@ -408,20 +410,6 @@ impl RobustOptions {
         }
     }
 
-    /// The command of these histories, which end at `end_s`, with a hold.
-    pub(in crate::cli) fn command(
-        problem: &Problem,
-        solution: &Solution,
-        histories: (&Histories, f64),
-        (hold, gains, thinned): (Hold, &[(f64, f64)], Thinned),
-    ) -> Result<Command, Failure> {
-        let Specification { arm, analysis, .. } = &problem.specification;
-        let order = analysis.second_order_of(&arm.links()[0].link);
-        let is_large = order != SecondOrder::None;
-        Command::of(solution, histories, (hold, gains), (thinned, is_large))
-            .map_err(|error| command_refused(&error))
-    }
-
     /// Histories of the command, and its end in s.
     fn histories(
         &self,
@@ -434,7 +422,7 @@ impl RobustOptions {
         let Some(shaping) = self.played.shaping() else { return Ok((histories, end_s)) };
         let Specification { arm, meshes, .. } = &problem.specification;
         let how = (hold, &self.gains(arm)?[..], Thinned::Yes);
-        let command = Self::command(problem, solution, (&histories, end_s), how)?;
+        let command = problem.command(solution, (&histories, end_s), how)?;
         let nominal = command.plant((arm, meshes), (0.0, 1.0, end_s), &[]);
         let rings = nominal.map_err(|error| not_played(&error, arm))?.rings;
         let shaper = rings
@@ -454,7 +442,7 @@ impl RobustOptions {
         let (histories, end_s) = self.histories(problem, solution, self.hold())?;
         let command = |thinned| {
             let how = (self.hold(), &gains[..], thinned);
-            Self::command(problem, solution, (&histories, end_s), how)
+            problem.command(solution, (&histories, end_s), how)
         };
         // The acceleration of thinned positions, of which efforts depend, has less digits than the positions.
         let is_limited = limits.iter().any(|own| *own != Limits::default());
@@ -560,15 +548,8 @@ impl RobustOptions {
         let normal =
             (self.distribution == Distributed::Normal).then(|| option("--distribution", "normal"));
         let own = own.chain(normal.into_iter().flatten()).collect();
-        [
-            self.changes.arguments(),
-            own,
-            self.motion.resample.arguments(),
-            self.motion.scale.arguments(),
-            digits_arguments(self.digits),
-            self.motion.read.arguments(),
-        ]
-        .concat()
+        [self.changes.arguments(), own, self.motion.arguments(), digits_arguments(self.digits)]
+            .concat()
     }
 
     /// A pair of gains for each joint.
@@ -589,10 +570,6 @@ impl RobustOptions {
 fn drawn(files: &RobustFiles) -> Result<String, Failure> {
     let study = StoredResult::Robust(vec![files.stored()?]);
     Ok(page(&study, &Figures::of(&study)))
-}
-
-fn command_refused(error: &CommandError) -> Failure {
-    Failure::new(Exit::InputRefused, error, None)
 }
 
 pub(in crate::cli) fn not_played(error: &SimulationError, arm: &Arm) -> Failure {

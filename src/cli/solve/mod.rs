@@ -1,8 +1,10 @@
 //! `solve`: link and motion in, torque out; with `--repeat`, the repetition of a run.
 
+mod notes;
 mod repeat;
 pub mod run;
 pub mod table;
+pub mod write_args;
 
 use std::path::PathBuf;
 
@@ -22,7 +24,8 @@ use crate::result::Notice;
 use crate::store::{REPORT, Summary};
 use crate::text::shown_path;
 use run::{Page, Run, SolveOptions, SolvedRun};
-use table::{WriteArgs, WrittenTable};
+use table::WrittenTable;
+use write_args::WriteArgs;
 
 const EXAMPLE: &str = "\
 Example:
@@ -63,10 +66,10 @@ pub(crate) struct Solve {
     pub(super) output: Option<PathBuf>,
 
     /// Repeat the run whose results are in this folder, and compare every file byte for byte; exit
-    /// code 1 if one differs. LINK and MOTION that are not given are searched for in the working
-    /// folder, in DIR and in the folders above it. The new results are kept only with -o.
+    /// code 1 if one differs. Without LINK and MOTION it searches for
+    /// them in the working folder, in DIR and in the folders above it. Only -o keeps the new results.
     #[arg(long, value_name = "DIR")]
-    #[arg(conflicts_with_all = ["ChangeArgs", "ResampleArgs", "ScaleArgs", "NodeArgs", "ReadArgs"])]
+    #[arg(conflicts_with_all = ["ChangeArgs", "SampleArgs", "ScaleArgs", "NodeArgs", "ReadArgs"])]
     #[arg(conflicts_with_all = ["deflections", "moments", "golden", "digits", "verify"])]
     #[arg(conflicts_with_all = ["report", "strict", "json", "write"])]
     repeat: Option<PathBuf>,

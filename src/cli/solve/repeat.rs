@@ -9,7 +9,7 @@ use crate::text::{excerpt, path_in_shell};
 
 use super::Solve;
 use super::run::{Page, Run, SolveOptions};
-use super::table::WriteArgs;
+use super::write_args::WriteArgs;
 use crate::cli::terminal::files::{keep, read_once};
 use crate::cli::terminal::text::repetition_text;
 use crate::cli::terminal::{Ending, Exit, Failure, console};

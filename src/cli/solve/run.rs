@@ -96,9 +96,7 @@ impl SolveOptions {
         let flag = |on: bool, name: &str| on.then(|| name.to_owned());
         [
             self.changes.arguments(),
-            self.motion.resample.arguments(),
-            self.motion.scale.arguments(),
-            self.motion.read.arguments(),
+            self.motion.arguments(),
             self.nodes.arguments(),
             Vec::from_iter(flag(self.deflections, "--deflections")),
             Vec::from_iter(flag(self.moments, "--moments")),

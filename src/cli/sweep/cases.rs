@@ -15,7 +15,7 @@ use crate::cli::options::play::{Driven, DrivenFiles, MovingArgs};
 use crate::cli::options::reading::{ReadArgs, TableName, tell};
 use crate::cli::simulate::refusal;
 use crate::cli::terminal::{Exit, Failure, memory};
-use crate::csv::{Digits, InputFile, Reading};
+use crate::csv::{Digits, InputFile};
 use crate::link::{Arm, Link};
 use crate::modal::natural_frequencies;
 use crate::motion::{MotionScale, Periods};
@@ -115,12 +115,12 @@ impl<'a> Cases<'a> {
         shared.motion.read.check(&TABLES)?;
         let read = |case| First::read(described(case)?, &motion_file, &shared.motion);
         // A path that the file lacks fails every case: a slip rather than a result.
-        let (first, reading) = read(0).or_else(|failure| {
+        let first = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
         shared.motion.scale.scaled(&first.wanted)?;
         let driven = shared.torque.read(&first.arm, &shared.motion.read)?;
-        tell(&motion_file.shown, &reading);
+        tell(&motion_file.shown, &first.wanted.reading);
         refuse_without_effect(|case| described(case).ok(), &plan)?;
         // From here on errors are for the table, whose text must not depend on the place of the files.
         link_file.shown.clone_from(&link_file.name);
@@ -149,11 +149,9 @@ impl<'a> Cases<'a> {
     pub(crate) fn identity(&self, vary: &[String], shard: Shard) -> SweepIdentity {
         let arguments = [
             self.shared.changes.arguments(),
-            self.shared.motion.resample.arguments(),
-            self.shared.motion.scale.arguments(),
+            self.shared.motion.arguments(),
             self.shared.torque.moving.arguments(),
             self.shared.outputs.identity(),
-            self.shared.motion.read.arguments(),
         ];
         let files = self.driven.as_ref().map(|own| own.files.recorded());
         let played = |of: fn(SimulateFiles<'_>) -> Option<&InputFile>| {
@@ -240,7 +238,7 @@ impl<'a> Cases<'a> {
             return motion;
         }
         let Self { shared, motion_file, .. } = self;
-        shared.motion.motion_of(motion_file, arm)?.0.of_case(scale)
+        shared.motion.motion_of(motion_file, arm)?.of_case(scale)
     }
 
     /// The arguments of `solve` that shape the results of this case, for the record.
@@ -249,11 +247,11 @@ impl<'a> Cases<'a> {
         [
             self.shared.changes.arguments(),
             varied.collect(),
-            self.shared.motion.resample.arguments(),
+            self.shared.motion.read.arguments(),
+            self.shared.motion.samples.arguments(),
             scale_arguments(self.shared.motion.scale.scale() * values.motion),
             self.shared.torque.moving.arguments(),
             self.shared.outputs.arguments(),
-            self.shared.motion.read.arguments(),
         ]
         .concat()
     }
@@ -264,7 +262,7 @@ impl TorqueArgs {
     pub fn read(&self, arm: &Arm, read: &ReadArgs) -> Result<Option<Driven>, Failure> {
         let Some(path) = &self.torque else { return Ok(None) };
         self.moving.check(arm, &[])?;
-        let driven = self.moving.load(path, arm, &|table| read.other(table));
+        let driven = self.moving.load(path, arm, &|table| read.format(table, TABLES[0]));
         let driven = driven.map_err(|failure| TableName::Torque.refused(failure))?;
         let Driven { files: DrivenFiles { reference, .. }, moving, feedback, .. } = &driven;
         if let (Moving::Torques(torques), Some(file)) = (moving, reference) {
@@ -364,16 +362,16 @@ impl First {
         Specification { arm, limits, .. }: Specification,
         file: &InputFile,
         motion: &MotionArgs,
-    ) -> Result<(Self, Reading), Failure> {
-        let (wanted, reading) = motion.motion_of(file, &arm)?;
+    ) -> Result<Self, Failure> {
+        let wanted = motion.motion_of(file, &arm)?;
         let periods = wanted.motion.tip().map(Periods::of);
-        Ok((Self { arm, limits, wanted, periods }, reading))
+        Ok(Self { arm, limits, wanted, periods })
     }
 
     /// The first case with `name` as the name of its motion's file in errors.
     pub(super) fn named(self, name: &str) -> Self {
-        let Wanted { motion, rows } = self.wanted;
-        Self { wanted: Wanted { motion, rows: rows.named(name) }, ..self }
+        let rows = self.wanted.rows.named(name);
+        Self { wanted: Wanted { rows, ..self.wanted }, ..self }
     }
 
     /// Its motion over another distance and duration, if a file would be the same motion of this arm.

@@ -67,7 +67,7 @@ have a unit. Several --vary make the product, the last one running fastest.
 With --torque every case plays one table as simulate does: torques, with feedback or without, a motion of the joints \
 or voltages. A row says how far the tip strays from MOTION.
 
-An arm of several links and its path (docs/arms.md) take the same: a row has the numbers of every joint.";
+LINK and MOTION may be an arm of several links and its path (docs/arms.md). A row then has the numbers of every joint.";
 
 /// Most cases of one run; at a millisecond each they take more than a week.
 const MOST_CASES: usize = 1_000_000_000;

@@ -44,9 +44,9 @@ pub(super) struct ShapeArgs {
     #[arg(long, help_heading = VIBRATIONS, value_name = "STATE", value_enum, requires = "shape")]
     of: Option<State>,
 
-    /// Instead of --duration: the shortest one at which the motion does not excite the mode, within all limits, if there are
-    /// any. With intervals, by --uncertain or in the link file, it is the one beside it with the least worst case. The
-    /// motion has one move.
+    /// Find the shortest duration at which the motion does not excite the mode, within all limits, if there are any. With
+    /// intervals, by --uncertain or in the link file, choose the duration near it that excites the worst link of the
+    /// intervals least. The motion has one move.
     #[arg(long, help_heading = VIBRATIONS, value_name = "STATE", value_enum, requires = "link")]
     #[arg(conflicts_with_all = ["shape", "duration"])]
     quiet_at: Option<State>,

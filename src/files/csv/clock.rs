@@ -23,8 +23,13 @@ pub struct ClockTime {
 enum Date {
     Absent,
     Known,
-    /// A date such as `11/12/2026`, whose day and month are in doubt.
-    Doubtful(String),
+    /// A date such as `11/30/2026`, which shows whether the month is first.
+    Slashed {
+        is_month_first: bool,
+    },
+    /// A date such as `11/12/2026`, whose day and month are in doubt: its days from 1970 with the month first and with the
+    /// day first.
+    Doubtful(String, [i64; 2]),
 }
 
 /// The instant as written.
@@ -67,9 +72,9 @@ impl ClockTime {
         })
     }
 
-    /// Whole units of time since 1970 in UTC, `per_s` of which are a second.
-    pub(super) fn since_1970(text: String, count: i64, per_s: i64) -> Self {
-        let part_s = count.rem_euclid(per_s) as f64 / per_s as f64;
+    /// Whole units of time since 1970 in UTC, `per_s` of which are a second, and a part of one.
+    pub(super) fn since_1970(text: String, (count, part): (i64, f64), per_s: i64) -> Self {
+        let part_s = (count.rem_euclid(per_s) as f64 + part) / per_s as f64;
         let whole_s = count.div_euclid(per_s);
         Self { text, date: Date::Known, whole_s, part_s, has_zone: true }
     }
@@ -77,7 +82,9 @@ impl ClockTime {
     /// Time in s from another instant to this one; `None` if one has a date or a zone and the other has none, and for
     /// different dates in doubt.
     pub(super) fn since(&self, other: &Self) -> Option<f64> {
-        let is_alike = self.date == other.date && self.has_zone == other.has_zone;
+        let is_known = |own: &Self| matches!(own.date, Date::Known | Date::Slashed { .. });
+        let is_dated_alike = self.date == other.date || is_known(self) && is_known(other);
+        let is_alike = is_dated_alike && self.has_zone == other.has_zone;
         is_alike.then(|| (self.whole_s - other.whole_s) as f64 + (self.part_s - other.part_s))
     }
 
@@ -85,6 +92,21 @@ impl ClockTime {
     pub(super) fn is_past_midnight(&self, before: &Self) -> bool {
         let is_bare = self.date == Date::Absent && before.date == Date::Absent;
         is_bare && before.whole_s - self.whole_s > DAY_S / 2
+    }
+
+    /// True if day and month are in doubt.
+    pub(super) fn is_doubtful(&self) -> bool {
+        matches!(self.date, Date::Doubtful(..))
+    }
+
+    /// The instant with day and month in the order of another date, if that one shows it.
+    pub(super) fn in_order_of(self, other: &Self) -> Self {
+        let (Date::Doubtful(_, days), Date::Slashed { is_month_first }) = (&self.date, &other.date)
+        else {
+            return self;
+        };
+        let days = days[usize::from(!is_month_first)];
+        Self { date: other.date.clone(), whole_s: self.whole_s + days * DAY_S, ..self }
     }
 
     /// The same instant some days later.
@@ -120,6 +142,8 @@ fn read_date(text: &str) -> Option<(Date, i64)> {
             days_from_1970(number(year, [4, 4])?, number(month, [1, 2])?, number(day, [1, 2])?)?;
         Some((Date::Known, days))
     };
+    let slashed =
+        |(_, days): (Date, i64), is_month_first| Some((Date::Slashed { is_month_first }, days));
     let parts =
         |sign: char| -> Option<[&str; 3]> { text.split(sign).collect::<Vec<_>>().try_into().ok() };
     if let Some([year, month, day]) = parts('-') {
@@ -134,10 +158,13 @@ fn read_date(text: &str) -> Option<(Date, i64)> {
         }
         let [one, other] = [number(first, [1, 2])?, number(second, [1, 2])?];
         return match (one > 12, other > 12) {
-            (true, _) => known(year, second, first),
-            (_, true) => known(year, first, second),
+            (true, _) => slashed(known(year, second, first)?, false),
+            (_, true) => slashed(known(year, first, second)?, true),
             // Any two rows of one such date have the same day.
-            _ => known(year, first, second).map(|_| (Date::Doubtful(text.to_owned()), 0)),
+            _ => {
+                let days = [known(year, first, second)?.1, known(year, second, first)?.1];
+                Some((Date::Doubtful(text.to_owned(), days), 0))
+            }
         };
     }
     let is_basic = text.len() == 8 && text.is_ascii();
@@ -270,6 +297,13 @@ mod tests {
         let doubtful = day("11/12/2026 10:00:01");
         assert_eq!(doubtful.since(&day("11/12/2026 10:00:00")), Some(1.0));
         assert_eq!(doubtful.since(&day("12/12/2026 10:00:00")), None, "days may be months");
+        for (before, after) in [
+            ("11/30/2026 23:59:59.5", "12/01/2026 0:00:00"),
+            ("31/12/2026 23:59:59.5", "1/1/2027 0:00:00"),
+        ] {
+            let before = day(before);
+            assert_eq!(day(after).in_order_of(&before).since(&before), Some(0.5), "{after}");
+        }
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub(super) struct Header<'a> {
 }
 
 /// Spellings in the order of the search.
-const WAYS: [&[Spelling]; 3] =
+pub(super) const WAYS: [&[Spelling]; 3] =
     [&[Spelling::Exact, Spelling::Suffixed], &[Spelling::Free], &[Spelling::Alias]];
 
 impl Columns {
@@ -88,7 +88,7 @@ impl Columns {
         }
         columns.count_times(header)?;
         columns.headings.sort_by_key(|heading| heading.index);
-        // A file that names another file already determines the units.
+        // The readers of other files choose among their columns first.
         if is_one_motion {
             header.check_measures(&columns.headings)?;
         }
@@ -347,7 +347,7 @@ impl Header<'_> {
     }
 
     /// Refuses a unit or a factor for an unused column.
-    fn check_measures(&self, headings: &[Heading]) -> Result<(), TableError> {
+    pub(super) fn check_measures(&self, headings: &[Heading]) -> Result<(), TableError> {
         let words = || headings.iter().map(|heading| heading.quantity.word).collect::<Vec<_>>();
         for scale in &self.format.scales {
             if find(headings, scale.quantity).is_none() {
@@ -356,9 +356,7 @@ impl Header<'_> {
             }
         }
         let Some(unit) = &self.format.unit else { return Ok(()) };
-        let fits = |heading: &Heading| {
-            heading.quantity != TIME && heading.quantity.dimension == unit.unit.dimension()
-        };
+        let fits = |heading: &Heading| heading.quantity != TIME && heading.quantity.takes(unit);
         if headings.iter().any(fits) {
             return Ok(());
         }

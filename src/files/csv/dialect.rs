@@ -5,7 +5,7 @@ use super::head::Head;
 use super::input::{Place, TableError, quoted};
 
 /// The dialect of a text.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Dialect {
     /// Index of the first byte of the table.
     pub(super) start: usize,
@@ -17,6 +17,8 @@ pub(super) struct Dialect {
     pub(super) names: Option<(u64, Vec<String>)>,
     /// True if the rows may have no field for the last name.
     pub(super) is_long: bool,
+    /// First time and step in s, where the first column counts the samples.
+    pub(super) sequence: Option<[f64; 2]>,
     /// Deviations of the text from the standard form, for the user.
     pub(super) found: Vec<String>,
 }
@@ -80,6 +82,7 @@ impl Dialect {
         (0..head.above).for_each(|_| self.pass_line(text));
         self.names = Some((before + head.line, head.names));
         self.is_long = head.is_long;
+        self.sequence = head.sequence;
         self.found = head.found;
         head.delimiter
     }
@@ -93,7 +96,8 @@ impl Dialect {
             let place = Place { file, line: Some(self.lines + 1) };
             let error = place.refuse("sep", quoted(sign), "must be a comma, `;`, a tab or a blank");
             error.with_hint(
-                "leave the line out with --skip 1, or name the sign with --delimiter".to_owned(),
+                "leave the line out with --skip 1, or name the sign with --delimiter SIGN"
+                    .to_owned(),
             )
         })?;
         self.pass_line(text);

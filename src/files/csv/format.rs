@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use super::clock::ClockTime;
 use super::heading::{Measure, QUANTITIES, Quantity, TIME, all_quantities, nearest};
+use super::motion_begins::MotionBegins;
 use super::unit_name::{UnitName, in_brackets};
 use crate::numeric::parse_hertz;
 
@@ -171,8 +172,8 @@ pub struct TableFormat {
     /// Samples in a second, of a table without a column of the time.
     pub sample_rate: Option<SampleRate>,
     /// Step in s of uniform times, by a cubic spline. Rows without a value, and rows that repeat the time of the row
-    /// before, are left out and counted. Of a motion only these rows are left out, since
-    /// [`MotionTable::resampled`](super::MotionTable::resampled) makes its times uniform.
+    /// before, are left out and counted. Of a motion and of a recording for comparison only these rows are left out:
+    /// [`MotionTable::resampled`](super::MotionTable::resampled) makes the times of a motion uniform.
     pub resample_s: Option<f64>,
     /// Instant from which dates and times of day count; by default that of the first row.
     pub since: Option<ClockTime>,
@@ -214,7 +215,7 @@ impl FromStr for SampleRate {
 impl TableFormat {
     /// The user's unit and factor for a quantity.
     pub(super) fn measure(&self, quantity: Quantity) -> Measure<'_> {
-        let fits = |unit: &&UnitName| unit.unit.dimension() == quantity.dimension;
+        let fits = |unit: &&UnitName| quantity.takes(unit);
         let unit = if quantity == TIME { &self.time_unit } else { &self.unit };
         let scale = self.scales.iter().find(|scale| scale.quantity == quantity);
         Measure { unit: unit.as_ref().filter(fits), factor: scale.map(|scale| scale.factor) }
@@ -318,12 +319,16 @@ pub struct Reading {
     pub(super) unread: Option<(String, String)>,
     /// Treatment of times off a uniform grid.
     pub(super) jitter: Option<String>,
+    /// True if `--resample` moved the samples to other times by a spline.
+    pub(super) is_interpolated: bool,
     /// Remark on samples that do not follow their neighbours, in a table that is used unchanged.
     pub(super) doubt: Option<String>,
     /// Number of samples replaced by their neighbours' prediction.
     pub(super) dropped: usize,
     /// Instant of the time 0, of a table of dates or times of day.
     pub(super) since: Option<ClockTime>,
+    /// When the motion begins by a comment above the table, which shifted its times.
+    pub(super) begins: Option<MotionBegins>,
 }
 
 impl Reading {
@@ -337,9 +342,19 @@ impl Reading {
         self.since.as_ref()
     }
 
+    /// True if a comment says when the motion begins: the times are shifted to those of the motion's file.
+    pub fn has_beginning(&self) -> bool {
+        self.begins.is_some()
+    }
+
     /// Treatment of times off a uniform grid, and a remedy.
     pub fn jitter(&self) -> Option<(&str, &str)> {
         Some((self.jitter.as_deref()?, "resample the file to a uniform step"))
+    }
+
+    /// True if a spline through the samples has values at other times, which are wrong beside a step.
+    pub fn is_interpolated(&self) -> bool {
+        self.is_interpolated || self.jitter.is_some()
     }
 
     /// Number of samples far from their neighbours' prediction, which replaced them.

@@ -27,6 +27,8 @@ pub(super) struct Head {
     pub(super) delimiter: Delimiter,
     /// True if the rows may have no field for the last name.
     pub(super) is_long: bool,
+    /// First time and step in s, where the first column counts the samples.
+    pub(super) sequence: Option<[f64; 2]>,
     /// Deviations from the standard form, for the user.
     pub(super) found: Vec<String>,
 }
@@ -138,7 +140,8 @@ impl Head {
         let after = first.checked_sub(1).map_or(0, |last| plain[last].number);
         let is_between = |line: &&Line| (after + 1..sample).contains(&line.number);
         let comments: Vec<Line> = lines.iter().filter(is_between).copied().collect();
-        let found = rows(plain[..first].to_vec(), false).head();
+        let above = rows(plain[..first].to_vec(), false);
+        let found = above.sequence().or_else(|| above.head());
         found.or_else(|| rows(comments, true).head()).map(|head| Self { above: sample - 1, ..head })
     }
 }
@@ -184,11 +187,46 @@ impl Rows<'_> {
         }
         Some(Head {
             is_long: surplus.is_some(),
+            sequence: None,
             line: number(names.last),
             above: 0,
             names: names.fields,
             delimiter: self.delimiter,
             found,
+        })
+    }
+
+    /// The heading of Rigol: `X,CH1,Start,Increment` above `Sequence,Volt,-3e-3,5e-6`. X counts the samples, and the rows
+    /// may have no field below the last two names.
+    fn sequence(&self) -> Option<Head> {
+        let [.., upper, lower] = &self.lines[..] else { return None };
+        let [names, units] = [upper, lower].map(|line| line.fields(self.delimiter));
+        let channels = names.iter().position(|name| name == "Start")?;
+        let is_sequence = names[0] == "X" && units.first()? == "Sequence";
+        let number =
+            |index: usize| units.get(index)?.parse().ok().filter(|own: &f64| own.is_finite());
+        let (start_s, step_s) = (number(channels)?, number(channels + 1)?);
+        if !is_sequence
+            || names.get(channels + 1)? != "Increment"
+            || step_s <= 0.0
+            || self.widths[1] < channels
+        {
+            return None;
+        }
+        let named = names[1..channels].iter().zip(&units[1..]);
+        let named = named.map(|(name, unit)| format!("{name} [{unit}]"));
+        let mut names: Vec<String> = ["time [s]".to_owned()].into_iter().chain(named).collect();
+        names.resize(self.widths[1], String::new());
+        let line = lower.number;
+        let found = format!("units, and time by Start and Increment, from line {line}");
+        Some(Head {
+            names,
+            line: upper.number,
+            above: 0,
+            delimiter: self.delimiter,
+            is_long: false,
+            sequence: Some([start_s, step_s]),
+            found: vec![found],
         })
     }
 
@@ -296,7 +334,11 @@ impl Rows<'_> {
             Some(unit) => is_time(unit),
             None => others().count() > 0 && others().all(|unit| parse_unit(unit).is_ok()),
         };
-        if units.len() > fields.len() || !are_units || others().any(|unit| is_value(unit)) {
+        // A pure number has the unit 1.
+        let is_one = |unit: &&String| *unit == "1";
+        let has_value = others().any(|unit| is_value(unit) && !is_one(&unit));
+        if units.len() > fields.len() || !are_units || has_value || others().all(|own| is_one(&own))
+        {
             return None;
         }
         let joined = fields.iter().enumerate().map(|(index, name)| {
@@ -381,6 +423,12 @@ mod tests {
                 "Time,Channel A\n(ms),(V)\n\n0,1\n1,2\n",
                 "Time [ms]|Channel A [V]",
                 3,
+                "units from line 2",
+            ),
+            (
+                "time,gain,x\ns,1,mm\n0,1,2\n1,2,3\n",
+                "time [s]|gain [1]|x [mm]",
+                2,
                 "units from line 2",
             ),
             ("t,x\n-----\n[s],[mm]\n0,1\n1,2\n", "t [s]|x [mm]", 3, "units from line 3"),

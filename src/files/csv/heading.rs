@@ -207,6 +207,15 @@ impl Quantity {
         Self { aliases, ..self }
     }
 
+    /// True if the unit is one of this quantity. Of the pure numbers only angles have units of angles; a voltage, which
+    /// is a pure number here, has none of them.
+    pub(super) fn takes(self, unit: &UnitName) -> bool {
+        let is_angle = |text: &str| text.contains("rad") || text.contains("deg") || text == "°";
+        let of_angle = is_angle(self.units[0]) == is_angle(&unit.text) && self != VOLTAGE;
+        let dimension = unit.unit.dimension();
+        dimension == self.dimension && (dimension != Dimension::NONE || of_angle)
+    }
+
     /// True if the name ends with the suffix of the SI unit.
     pub(super) fn is_suffixed(self, name: &str) -> bool {
         name.to_lowercase().ends_with(self.suffix)
@@ -414,6 +423,11 @@ impl Heading {
         }
     }
 
+    /// The heading of numbers that count steps of this size.
+    pub(super) fn counting(self, step: f64) -> Self {
+        Self { factor: Some(step), ..self }
+    }
+
     /// True if the table or the user names a unit or a factor.
     pub(super) fn has_measure(&self) -> bool {
         self.has_unit || self.factor.is_some()
@@ -431,16 +445,22 @@ impl Heading {
         Some(unit)
     }
 
-    /// The instant of so many ns or us since 1970 that a float would lose digits of a time.
+    /// The instant of so many s, ms, us or ns since 1970 that a float would lose digits of a time.
     pub(super) fn instant(&self, field: &str) -> Option<ClockTime> {
-        /// Digits that are exact in a float.
+        /// Digits that are exact in a float, and s from 1970 to 1998.
         const EXACT: usize = 15;
-        let is_long = field.len() > EXACT && field.bytes().all(|byte| byte.is_ascii_digit());
-        let unit_s = is_long.then(|| self.to_si(1.0))?;
+        const FROM_S: i64 = 883_612_800;
+        let (whole, decimals) = field.split_once('.').unwrap_or((field, ""));
+        let are_digits =
+            [whole, decimals].iter().all(|own| own.bytes().all(|own| own.is_ascii_digit()));
+        let unit_s = (are_digits && whole.len() > 8).then(|| self.to_si(1.0))?;
         let is_of = |per_s: &i64| (unit_s * *per_s as f64 - 1.0).abs() < 1e-9;
-        let per_s = [1_000_000, 1_000_000_000].into_iter().find(is_of)?;
+        let per_s = [1, 1_000, 1_000_000, 1_000_000_000].into_iter().find(is_of)?;
+        let count: i64 = whole.parse().ok()?;
+        let is_exact = whole.len() <= EXACT && count / per_s < FROM_S;
+        let part = format!("0.{decimals}").parse().ok()?;
         let text = format!("{field} {}", self.unit_text);
-        Some(ClockTime::since_1970(text, field.parse().ok()?, per_s))
+        (!is_exact).then(|| ClockTime::since_1970(text, (count, part), per_s))
     }
 
     /// Converts a value of this column to SI.
@@ -469,7 +489,7 @@ fn read_unit(text: &str, name: &str, quantity: Quantity, place: Place) -> Result
     }
     let text = match text {
         _ if quantity != VOLTAGE => text,
-        "V" => "1",
+        "V" | "Volt" => "1",
         "mV" => "mm/m",
         _ => return Err(refuse(None)),
     };
@@ -522,4 +542,17 @@ pub(super) fn nearest<'a>(name: &str, words: impl IntoIterator<Item = &'a str>) 
     let ranked = words.into_iter().map(|word| (strsim::jaro_winkler(name, word), word));
     let (best, word) = ranked.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best > ALIKE).then_some(word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pure_numbers_have_units_of_their_own() {
+        for (unit, takes) in [("deg", [true, false, false]), ("um/m", [false, true, false])] {
+            let unit = unit.parse().unwrap();
+            assert_eq!([HUB_ANGLE, ROOT_STRAIN, VOLTAGE].map(|own| own.takes(&unit)), takes);
+        }
+    }
 }

@@ -274,11 +274,13 @@ impl TableError {
 
     /// Adapts the error to a table without options of the reader: removes mentions of options.
     pub(super) fn of_named_file(self, hint: &str) -> Self {
-        let message = self.message.replace("--columns", "columns");
+        let message = ["columns", "scale", "unit"]
+            .iter()
+            .fold(self.message, |text, key| text.replace(&format!("--{key}"), key));
         let speaks_of_option = self.hint.as_deref().is_some_and(|hint| hint.contains("--"));
         let is_of_unit = message.contains("unit of") || message.contains("unit in brackets");
-        // A hint about the required unit helps here too, as does any hint without an option.
-        let helps = |own: &String| own.starts_with("write ") || !(is_of_unit || speaks_of_option);
+        // A hint about the required unit helps here too, as does any other hint without an option.
+        let helps = |own: &String| !speaks_of_option && (own.starts_with("write ") || !is_of_unit);
         let own = self.hint.filter(helps);
         let hint = match own {
             None if speaks_of_option || is_of_unit => Some(hint.to_owned()),

@@ -55,7 +55,7 @@ const OF_HUB: OfJoint = OfJoint {
         quantities: &[TIME, TORQUE],
         prefix: "hub_",
         example: "time,torque",
-        choice: Some("rename one of them, or choose a torque with --column"),
+        choice: None,
         by_option: "--columns time=1,torque=2 names the columns",
     },
     motion: [HUB_ANGLE, HUB_RATE],
@@ -73,7 +73,7 @@ const OF_CARRIAGE: OfJoint = OfJoint {
         quantities: &[TIME, FORCE],
         prefix: "carriage_",
         example: "time,force",
-        choice: Some("rename one of them, or choose a force with --column"),
+        choice: None,
         by_option: "--columns time=1,force=2 names the columns",
     },
     motion: [CARRIAGE, CARRIAGE_VELOCITY],
@@ -346,10 +346,17 @@ fn in_brackets(effort: Quantity) -> String {
 /// Hint for choosing the torque, or the force, in a table without a column of its name.
 fn where_effort_is(fields: &[&str], effort: Quantity) -> String {
     let word = effort.word;
-    match fields.iter().find(|field| field.to_lowercase().contains(word)) {
-        Some(field) if unread_unit(field, effort).is_some() => in_brackets(effort),
-        Some(field) => format!("choose the {word} with --column {}", quoted(split_unit(field).0)),
-        None => format!("choose the {word} with --column NAME"),
+    let is_of_motor = |field: &str| field.to_lowercase().contains("motor");
+    let fields = fields.iter().enumerate();
+    let mut named = fields.filter(|(_, field)| field.to_lowercase().contains(word));
+    match named.clone().find(|(_, field)| !is_of_motor(field)).or(named.next()) {
+        Some((index, field)) if is_of_motor(field) => format!(
+            "--columns {word}={} takes the {word} of the motor, which a gear turns into another one at the joint",
+            index + 1
+        ),
+        Some((_, field)) if unread_unit(field, effort).is_some() => in_brackets(effort),
+        Some((index, _)) => format!("--columns {word}={} chooses the {word}", index + 1),
+        None => format!("--columns {word}=COLUMN chooses the {word}"),
     }
 }
 

@@ -20,6 +20,7 @@ mod response;
 mod rows;
 mod samples;
 mod table;
+mod uniform;
 mod unit_name;
 
 pub use clock::ClockTime;

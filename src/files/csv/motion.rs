@@ -13,9 +13,9 @@ use super::input::{Place, TableError};
 use super::motion_columns::{motion_columns, path_columns, take_angle};
 use super::number::Digits;
 use super::quality::{Judged, digits_of, settle};
-use super::samples::{MIN_SAMPLES, Uniform, whole_steps};
 use super::samples::{Samples, grid_of, refuse_samples};
 use super::table::{Column, ColumnGroup, group, write_over_time};
+use super::uniform::{MIN_SAMPLES, Uniform, steps_of, without_last};
 use crate::link::Link;
 use crate::motion::{
     Ends, MotionColumns, PathColumn, PathColumns, Recording, TipTarget, Uncertainty, refuse_jump,
@@ -24,6 +24,7 @@ use crate::numeric::{SplineEnds, TimeGrid};
 use crate::recording;
 use crate::recording::{Change, Rounding, jitter};
 use crate::result::Remark;
+use crate::text::significant;
 
 /// A wanted motion of a link's tip, or the path of an arm, read from a file or arrays, in SI.
 #[derive(Debug, Clone, PartialEq)]
@@ -168,7 +169,8 @@ impl MotionTable {
     /// The motion on a uniform grid from its first time to its last, by cubic splines.
     ///
     /// The splines of places and angles are at rest at both ends; those of velocity and acceleration are not-a-knot. A
-    /// velocity without other columns is integrated first.
+    /// velocity without other columns is integrated first. A motion that rests after its last time fills the last step
+    /// with this rest; of another one the time after the last whole step is left out.
     ///
     /// ```
     /// use flexlink::csv::{read_motion_table, read_motion_table_as};
@@ -183,12 +185,21 @@ impl MotionTable {
     /// ```
     ///
     /// # Errors
-    /// [`TableError`] unless the step is above 0, divides the motion's duration within a twentieth of a step, and gives
-    /// from 4 to 1e7 samples; also for a link's direction that jumps, because a spline would turn it through the jump.
-    pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
+    /// [`TableError`] unless the step is above 0 and gives from 4 to 1e7 samples; also for a link's direction that jumps,
+    /// because a spline would turn it through the jump.
+    pub fn resampled(mut self, step_s: f64) -> Result<Self, TableError> {
         self.refuse_jump()?;
-        let steps = whole_steps(self.time_s(), step_s, &self.rows.name)?;
-        Ok(self.with_integral().at_steps(steps, step_s))
+        let (steps, left_s) = steps_of(self.time_s(), step_s, &self.rows.name)?;
+        let velocity = self.columns().and_then(|columns| columns.velocity_m_s.as_deref());
+        let rests = left_s > 0.0 && self.ends.said_by(velocity) == Ends::AtRest;
+        let rest = significant(step_s - left_s, 3);
+        let told = if rests {
+            Some(format!("{rest} s of rest added after the last row"))
+        } else {
+            without_last(left_s)
+        };
+        self.reading.found.extend(told);
+        Ok(self.with_integral().at_steps(steps + usize::from(rests), step_s))
     }
 
     /// Refuses a direction of a link that jumps.
@@ -334,7 +345,15 @@ pub fn read_target(
     link: &Link,
     format: &TableFormat,
 ) -> Result<(TipTarget, Reading), TableError> {
-    let table = read_motion_table_as(name, bytes, &[link.output_m()], format)?.of_link(link)?;
+    // An option of the motion alone.
+    let corrected = |error: TableError| match error.hint() {
+        Some(hint) if hint.contains("--drop-outliers") => {
+            error.with_hint("correct the sample".to_owned())
+        }
+        _ => error,
+    };
+    let table = read_motion_table_as(name, bytes, &[link.output_m()], format).map_err(corrected)?;
+    let table = table.of_link(link)?;
     let is_placed = table.columns().is_some_and(|columns| columns.displacement_m.is_some());
     let table = match format.resample_s.filter(|_| is_placed) {
         // A target need not rest at its ends.
@@ -607,18 +626,32 @@ mod tests {
         assert_eq!(lines, [0, 2, 2, 4, 4, 4, 6]);
     }
 
+    /// A cubic with clamped ends is its own spline, so that the samples are exact on both sides of the end.
     #[test]
-    fn the_steps_a_refusal_names_are_accepted() {
-        let motion = table(&uneven(10), versine);
-        let error = motion.clone().resampled(0.03).unwrap_err();
-        let must = "must divide the motion's 1 s into whole steps";
-        assert_eq!(error.to_string(), format!("t.csv: resampling step = 0.03 s, but {must}"));
-        let hint = error.hint().unwrap();
-        let steps: Vec<f64> = hint.split(' ').filter_map(|word| word.parse().ok()).collect();
-        assert_eq!(steps.len(), 2);
-        for step_s in steps {
-            assert!(motion.clone().resampled(step_s).is_ok(), "{step_s}");
+    fn a_rest_fills_the_last_step_and_a_moving_end_is_cut() {
+        let cubic = |t: f64| t * t * (3.0 - 2.0 * t);
+        let times: Vec<f64> = uneven(10);
+        let displacement_m = Some(times.iter().map(|t| cubic(*t)).collect());
+        let columns = MotionColumns { time_s: times, displacement_m, ..MotionColumns::default() };
+        let motion = MotionTable::of_columns("m", columns).unwrap();
+        let places = |table: &MotionTable| {
+            let columns = table.columns().unwrap();
+            (columns.time_s.clone(), columns.displacement_m.clone().unwrap())
+        };
+        let rested = motion.clone().resampled(0.03).unwrap();
+        let note = "read 0.0200 s of rest added after the last row";
+        assert_eq!(rested.reading().note().as_deref(), Some(note));
+        let (times, displacement_m) = places(&rested);
+        assert!((times[34] - 1.02).abs() < 1e-12 && times.len() == 35);
+        for (t, own) in times.iter().zip(displacement_m) {
+            assert!((own - cubic(t.min(1.0))).abs() < 1e-12, "{t}: {own}");
         }
+        let cut = motion.with_ends(Ends::Moving).resampled(0.03).unwrap();
+        let note = "read without the last 0.0100 s, less than a step";
+        assert_eq!(cut.reading().note().as_deref(), Some(note));
+        let (times, displacement_m) = places(&cut);
+        assert!((times[33] - 0.99).abs() < 1e-12 && times.len() == 34);
+        assert!((displacement_m[33] - cubic(0.99)).abs() < 1e-12, "{}", displacement_m[33]);
     }
 
     fn refused(file: &str) -> String {

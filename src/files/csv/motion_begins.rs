@@ -1,4 +1,4 @@
-//! The line of a table that says when its motion begins, and the shift between two tables of one motion.
+//! The line of a table that says when its motion begins, and the shift to the times of the motion's file.
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ const DECIMALS: f64 = 1e12;
 pub struct MotionBegins {
     /// Time in s of the table.
     pub time_s: f64,
-    /// Time in s of the motion's file, and of other tables without a shift.
+    /// Time in s of the motion's file, and of all tables without the line.
     pub in_file_s: f64,
 }
 
@@ -53,12 +53,9 @@ impl MotionBegins {
         Some(Self { time_s: seconds(time)?, in_file_s: seconds(in_file)? })
     }
 
-    /// Shift in s that takes the times of `other` to those of a table; tables without the line have the times of the
-    /// motion's file. `None` where both have these.
-    pub fn shift_s(own: Option<Self>, other: Option<Self>) -> Option<f64> {
-        let in_file_s = own.or(other)?.in_file_s;
-        let [own_s, other_s] = [own, other].map(|own| own.map_or(in_file_s, |own| own.time_s));
-        Some(rounded(own_s - other_s, 13)).filter(|shift_s| *shift_s != 0.0)
+    /// Shift in s from the times of the table to those of the motion's file.
+    pub(super) fn shift_s(self) -> f64 {
+        rounded(self.in_file_s - self.time_s, 13)
     }
 }
 
@@ -86,10 +83,9 @@ mod tests {
     }
 
     #[test]
-    fn two_tables_of_a_motion_are_shifted_by_their_difference() {
-        let at = |time_s| Some(MotionBegins { time_s, in_file_s: 2.0 });
-        let shift = MotionBegins::shift_s;
-        assert_eq!([shift(at(2.5), None), shift(None, at(2.5))], [Some(0.5), Some(-0.5)]);
-        assert_eq!([shift(at(2.5), at(2.5)), shift(None, None), shift(at(2.0), None)], [None; 3]);
+    fn the_shift_leads_to_the_times_of_the_file() {
+        let shift_s = |time_s, in_file_s| MotionBegins { time_s, in_file_s }.shift_s();
+        let found = [shift_s(0.3, 0.1), shift_s(2.0, 2.0)];
+        assert_eq!(found.map(f64::to_bits), [-0.2, 0.0].map(f64::to_bits));
     }
 }

@@ -59,7 +59,7 @@ pub(super) fn motion_columns(header: Header) -> Result<Columns, TableError> {
     if !is_motion && let Some(index) = suspect(&columns, fields) {
         return Err(unknown_column(index, fields[index], place));
     }
-    let hint = "displacement = angle * link length; keep one of them, or choose it with --columns";
+    let hint = "displacement = angle * link length; keep one of them, or choose it with --columns displacement=COLUMN";
     columns.refuse_both([DISPLACEMENT, ANGLE], header, hint)?;
     check_angle(&columns, header)?;
     let by_option = || TRAJECTORY.by_option.to_owned();

@@ -12,8 +12,8 @@ use super::input::{BY_HEADINGS, Place, TableError};
 use super::joints::Joints;
 use super::motion_columns::unread;
 use super::quality::{Judged, doubt};
-use super::samples::MIN_SAMPLES;
 use super::samples::Samples;
+use super::uniform::MIN_SAMPLES;
 use crate::fit::{DecaySamples, RecordedInput};
 use crate::model::Sensor;
 use crate::numeric::{Dimension, TimeGrid};
@@ -43,7 +43,7 @@ const RECORD: Vocabulary = Vocabulary {
 
 /// Keys about a record in the file that names it, for hints.
 const CHOICES: &str = "columns = [\"time=1\", \"torque=2\"] chooses columns by number or heading; skip = 3 \
-                       leaves lines out; scale = [\"hub_angle=0.0015\"] makes SI of counts; resample = \"5 ms\" leaves out rows without a value; gain = \"free\" takes a sensor's numbers in any unit";
+                       leaves lines out; scale = [\"hub_angle=0.0015\"] makes SI of counts; resample = \"5 ms\" makes times uniform and leaves out rows without a value; gain = \"free\" takes a sensor's numbers in any unit";
 
 /// A recorded table, in SI at uniform times.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,7 +96,7 @@ pub fn read_record(
         wanted.iter().map(|wanted| samples.take(*wanted).unwrap_or_default()).collect();
     let time_s = taken.remove(0);
     let time_s = samples.make_uniform(time_s, taken.iter_mut().collect())?;
-    let grid = samples.grid(&time_s)?;
+    let grid = samples.grid(&time_s).map_err(|error| error.of_named_file(CHOICES))?;
     let (input, units) = (taken.remove(0), units[2..].to_vec());
     Ok(RecordTable { grid, input, channels: taken, units, reading: samples.reading })
 }
@@ -131,6 +131,7 @@ fn columns(header: Header, wanted: &[Quantity]) -> Result<Columns, TableError> {
         return Err(missing.or_hint(CHOICES.to_owned()));
     }
     columns.headings.retain(|heading| wanted.contains(&heading.quantity));
+    header.check_measures(&columns.headings)?;
     Ok(columns)
 }
 
@@ -281,6 +282,7 @@ fn channel_columns(
         let wanted = format!("one of {}", words.collect::<Vec<_>>().join(", "));
         return Err(refuse_missing(&names(fields), &wanted, place));
     }
+    header.check_measures(&columns.headings)?;
     let hint = "a simulation has no such channel";
     columns.reading.unread = unread(&columns, fields, vocabulary, hint);
     Ok(columns)
@@ -313,7 +315,7 @@ const DECAY: Vocabulary = Vocabulary {
 
 /// Hint at the keys of a decay.
 const OF_DECAY: &str = "sensor = \"tip_acceleration\" names the column that vibrates; columns = [\"time=1\", \
-                        \"deflection=2\"] chooses columns by number or heading; skip = 3 leaves lines out";
+                        \"deflection=2\"] chooses columns by number or heading; skip = 3 leaves lines out; resample = \"5 ms\" makes times uniform";
 
 /// Reads a free decay: `time` and the column of a sensor, in any unit. Without a sensor it is the only column that
 /// changes. Only the samples in a span in s are used; their times must be uniform.
@@ -382,7 +384,7 @@ pub fn read_decay(
         name: name.to_owned(),
         column: words[0].clone(),
         start_s: uniform_s[0],
-        step_s: samples.grid(&uniform_s)?.step_s,
+        step_s: samples.grid(&uniform_s).map_err(|error| error.of_named_file(OF_DECAY))?.step_s,
         samples: std::mem::take(column),
     };
     Ok((decay, samples.reading))

@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use super::input::{Place, TableError};
 use super::motion::{MotionTable, SampleRows, Sampled};
 use super::quality;
-use super::samples::Uniform;
+use super::uniform::Uniform;
 use crate::link::Link;
 use crate::motion::{
     ArmPath, Ends, Motion, MotionColumns, PathColumn, Recording, TipMotion, Uncertainty, wrapped,
 };
 use crate::numeric::{CubicSpline, SplineEnds};
-use crate::recording::{NoRest, jitter, rested};
+use crate::recording::{LARGEST_JITTER, NoRest, jitter, rested};
 use crate::text::{plain, significant};
 
 /// Largest uncertainty of a displacement over its travel.
@@ -205,7 +205,7 @@ impl MotionTable {
         }
     }
 
-    /// The samples at `steps` steps from the first time on; the last one is the last of the table.
+    /// The samples at `steps` steps from the first time on. A last one beyond the table is at rest.
     pub(super) fn at_steps(mut self, steps: usize, step_s: f64) -> Self {
         let known_s = self.time_s().clone();
         let uniform = Uniform::of(&known_s, steps, step_s);
@@ -234,7 +234,14 @@ impl MotionTable {
                     (None, None) => {}
                 }
                 let others = [&mut columns.acceleration_m_s2, &mut columns.velocity_m_s];
-                others.into_iter().flatten().for_each(|own| on_grid(own, SplineEnds::NotAKnot));
+                let last_s = known_s[known_s.len() - 1];
+                let is_beyond = uniform.times_s[steps] > last_s + LARGEST_JITTER * step_s;
+                for own in others.into_iter().flatten() {
+                    on_grid(own, SplineEnds::NotAKnot);
+                    if is_beyond {
+                        own[steps] = 0.0;
+                    }
+                }
                 columns.time_s.clone_from(&uniform.times_s);
             }
             Sampled::Path { columns, lengths_m } => {

@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
-use super::columns::Header;
+use super::columns::{Header, WAYS};
 use super::format::{Reading, TableFormat};
-use super::heading::{FREQUENCY, GAIN, IMAGINARY, PHASE, Quantity, REAL, Vocabulary};
+use super::heading::{FREQUENCY, GAIN, IMAGINARY, PHASE, Quantity, REAL, Spelling, Vocabulary};
 use super::input::{Place, TableError, quoted};
 use super::rows::read_table_as;
 use super::unit_name::split_any_unit;
@@ -116,6 +116,7 @@ pub fn read_frequency_response(
     let frequencies = find(FREQUENCY, &hertz)?.ok_or_else(missing)?;
     let real = find(REAL, &si)?.zip(find(IMAGINARY, &si)?);
     let polar = find(GAIN, &decibels)?.zip(find(PHASE, &radians)?);
+    let is_polar = polar.is_some();
     let rows = table.lines.len();
     let frequencies_hz = numbers(&table, &frequencies, place)?;
     let at_rest = frequencies_hz.iter().position(|hertz| *hertz == 0.0);
@@ -147,6 +148,13 @@ pub fn read_frequency_response(
         }
         _ => return Err(missing()),
     };
+    let read = if is_polar { [FREQUENCY, GAIN, PHASE] } else { [FREQUENCY, REAL, IMAGINARY] };
+    if let Some(scale) = format.scales.iter().find(|scale| !read.contains(&scale.quantity)) {
+        let must =
+            format!("must be one of the columns read: {}", read.map(|own| own.word).join(", "));
+        let error = place.refuse("--scale", scale.quantity.word, must);
+        return Err(error.of_named_file(BY_KEYS));
+    }
     let mut found = ResponseTable { frequencies_hz, values, reading: Reading::default() };
     said.extend(found.leave_out_rows_below_0_hz(|row, must| {
         let place = Place { line: Some(table.lines[row]), ..place };
@@ -220,6 +228,18 @@ fn gains(table: &Table, found: &Found, place: Place) -> Result<Vec<f64>, TableEr
     }
 }
 
+/// The one column with a name of a quantity.
+fn named(header: Header, quantity: Quantity) -> Result<Option<usize>, TableError> {
+    let lower: Vec<String> = header.fields.iter().map(|field| field.to_lowercase()).collect();
+    let lower: Vec<&str> = lower.iter().map(String::as_str).collect();
+    for ways in WAYS {
+        if let Some((index, _)) = RESPONSE.column(&lower, quantity, ways, header.place)? {
+            return Ok(Some(index));
+        }
+    }
+    Ok(None)
+}
+
 /// The column of a quantity, by the user's choice or its name, and the factor of its unit.
 fn found<'a>(
     table: &'a Table,
@@ -230,20 +250,18 @@ fn found<'a>(
     let chosen = header.format.columns.iter().find(|choice| choice.quantity == quantity);
     let index = match chosen {
         Some(choice) => Some(header.index_of(quantity, &choice.column)?),
-        None => header
-            .fields
-            .iter()
-            .position(|field| RESPONSE.spelling(&field.to_lowercase(), quantity).is_some()),
+        None => named(header, quantity)?,
     };
     let Some(column) = index.map(|index| &table.columns[index]) else { return Ok(None) };
     let lower = column.name().to_lowercase();
     let (name, unit) = split_any_unit(&lower);
-    let has_unit = unit.is_some();
+    let scale = header.format.scales.iter().find(|scale| scale.quantity == quantity);
+    let is_suffixed = RESPONSE.spelling(&lower, quantity) == Some(Spelling::Suffixed);
+    let has_unit = unit.is_some() || is_suffixed || scale.is_some();
     let unit = unit.unwrap_or_default();
     let must = "must be one that the column may have: Hz, kHz, rad/s; dB or SI; deg or rad";
     let unknown = || header.place.refuse(format!("unit of {name}"), quoted(unit), must);
     let factor = factor(unit).ok_or_else(unknown)?;
-    let scale = header.format.scales.iter().find(|scale| scale.quantity == quantity);
     let scale = scale.map_or(1.0, |scale| scale.factor);
     Ok(Some(Found { column, factor, scale, has_unit }))
 }

@@ -315,9 +315,16 @@ pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
         |line, fields| begun(fields, line, at(line)),
         |table, line, fields| push(table, fields, line, at(line)),
     )?;
-    table.ok_or_else(|| {
+    let table: Table = table.ok_or_else(|| {
         whole.refuse_whole("has no rows, but must hold a row of names or of numbers")
-    })
+    })?;
+    if let ([column], [line, ..]) = (&table.columns[..], &table.lines[..])
+        && column.text(0).split_whitespace().filter(|word| word.parse::<f64>().is_ok()).count() > 1
+    {
+        let row = quoted(&column.text(0));
+        return Err(at(*line).refuse("row", row, "must have commas between its fields"));
+    }
+    Ok(table)
 }
 
 /// [`read_table`] with the user's options for its form; also returns its deviations from the standard form.
@@ -488,5 +495,7 @@ mod tests {
         assert_eq!(read_table("t.csv", b"a\n\xff\n").unwrap_err().to_string(), utf8);
         let commas = "must name columns that are separated by commas";
         assert_eq!(refused("a;b\n1;2\n"), format!("t.csv:1: first row = \"a;b\", but {commas}"));
+        let commas = "must have commas between its fields";
+        assert_eq!(refused("a b\n1 2\n"), format!("t.csv:2: row = \"1 2\", but {commas}"));
     }
 }

@@ -9,12 +9,14 @@ use super::heading::{
     VELOCITY,
 };
 use super::input::{Place, TableError, quoted};
+use super::motion_begins::MotionBegins;
 use super::rows::read_rows_as;
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
-use crate::recording::{Digits, LARGEST_JITTER, Rounding, jitter};
+use super::uniform::{MIN_SAMPLES, Uniform, steps_of, without_last};
+use crate::numeric::{SplineEnds, TimeGrid};
+use crate::recording::{Digits, Rounding, jitter};
 use crate::response::HistoryError;
 use crate::result::Remark;
-use crate::text::given;
+use crate::text::{plain, significant};
 
 /// Longest number that a message shows in full.
 const LONGEST_SHOWN: usize = 60;
@@ -26,12 +28,12 @@ const NUMBERS: &str = "write a point before decimals, and nothing between thousa
 const COMMAS: &str = "--decimal comma reads decimal commas";
 
 /// Remedy for names beyond the fields of the rows, for hints.
-const NO_FIELD: &str = "the rows have no field for the last names: --skip leaves the names out, and --columns \
-                        time=1,displacement=2 names the columns";
+const NO_FIELD: &str = "the rows have no field for the last names: --skip N leaves the names out, and --columns \
+                        QUANTITY=NUMBER names the columns";
 
 /// Remedy for names divided by blanks, for hints.
-const WORDS: &str = "blanks divide names of several words, too: --skip leaves the names out, and --columns \
-                     time=1,displacement=2 names the columns";
+const WORDS: &str = "blanks divide names of several words, too: --skip N leaves the names out, and --columns \
+                     QUANTITY=NUMBER names the columns";
 
 /// Remedies for rows that a spline does not need, for hints.
 const BY_RESAMPLING: &str =
@@ -42,10 +44,22 @@ const CLOCKS: &str = "a time is a number, or reads like 17:24:05.123 or 2026-11-
                       the place of the column";
 
 /// Remedy for lines between the names and the samples, for hints.
-const ABOVE: &str = "--skip N leaves out lines above the samples; --columns time=1,displacement=2 then names the columns";
+const ABOVE: &str =
+    "--skip N leaves out lines above the samples; --columns QUANTITY=NUMBER then names the columns";
+
+/// Remedy for times off a uniform grid, for hints.
+const OFF_GRID: &str =
+    "write times with more decimals, or let --resample STEP make uneven times uniform";
+
+/// Words that begin the heading of a segment in a file of `LabVIEW`.
+const SEGMENTS: [&str; 2] = ["Channels", "LabVIEW Measurement"];
 
 /// Share of the rows that may be left out.
 const MOST_LEFT_OUT: f64 = 0.1;
+
+/// Longest gap between samples that a spline may fill, and longest one without a remark, in usual steps.
+const LONGEST_GAP: f64 = 10.0;
+const TOLD_GAP: f64 = 2.5;
 
 /// Rows that are left out, with the line of the first.
 #[derive(Debug, Clone, Default)]
@@ -94,16 +108,21 @@ pub(super) struct Samples {
     width: usize,
     /// True if a row may have no field for the last column.
     is_long: bool,
-    /// Number of rows so far.
+    /// Number of rows so far, and the line of the last one.
     rows: usize,
+    last_line: u64,
     /// Samples in a second, of a table without times.
     rate_hz: Option<f64>,
+    /// Time in s at which the column of the time is 0.
+    start_s: f64,
     since: Option<ClockTime>,
     clock: Option<Clock>,
     /// Step in s of uniform times.
     resample_s: Option<f64>,
     without_value: LeftOut,
     repeated: LeftOut,
+    /// Rows that repeat a time with other values.
+    differing: LeftOut,
     /// Values of the row that is read.
     row: Vec<f64>,
     pub(super) headings: Vec<Heading>,
@@ -138,22 +157,33 @@ impl Samples {
                 let found = dialect.found.iter().cloned().chain(columns.told());
                 reading.found = found.chain(reading.found).collect();
             }
+            let mut headings = columns.headings;
+            let mut start_s = 0.0;
+            if let (Some([first_s, step_s]), Some(time)) = (dialect.sequence, headings.first_mut())
+                && (time.quantity, time.index) == (TIME, 0)
+            {
+                start_s = first_s;
+                *time = time.clone().counting(step_s);
+            }
             let mut samples = Self {
                 file: name.to_owned(),
                 width: fields.len(),
                 is_long: dialect.is_long,
                 rows: 0,
+                last_line: line,
                 rate_hz: format.sample_rate.as_ref().map(|rate| rate.hertz),
+                start_s,
                 since: format.since.clone(),
                 clock: None,
                 resample_s: format.resample_s,
                 without_value: LeftOut::default(),
                 repeated: LeftOut::default(),
+                differing: LeftOut::default(),
                 row: Vec::new(),
                 has_blanks: dialect.delimiter == Delimiter::Blanks,
-                values: vec![Vec::new(); columns.headings.len()],
-                digits: vec![Digits::default(); columns.headings.len()],
-                headings: columns.headings,
+                values: vec![Vec::new(); headings.len()],
+                digits: vec![Digits::default(); headings.len()],
+                headings,
                 lines: Vec::new(),
                 time_text: String::new(),
                 reading,
@@ -174,7 +204,20 @@ impl Samples {
             return Err(whole.refuse("samples", found, format!("must be {MIN_SAMPLES} or more")));
         }
         samples.tell_rows(whole)?;
+        samples.shift(MotionBegins::find(bytes));
         Ok(samples)
+    }
+
+    /// Shifts the times to those of the motion's file, where a comment says when the motion begins.
+    fn shift(&mut self, begins: Option<MotionBegins>) {
+        self.reading.begins = begins;
+        let shift_s = begins.map(MotionBegins::shift_s).filter(|shift_s| *shift_s != 0.0);
+        let Some((shift_s, time)) = shift_s.zip(self.time()) else { return };
+        self.values[time].iter_mut().for_each(|time_s| *time_s += shift_s);
+        let shift = plain(shift_s);
+        self.reading
+            .found
+            .push(format!("times shifted by {shift} s, to those of the motion's file"));
     }
 
     /// Adds the clock and the rows left out to the description of the table.
@@ -192,17 +235,19 @@ impl Samples {
             self.reading.found.extend((*midnights > 0).then(|| "past midnight".to_owned()));
             self.reading.since = Some(since.clone());
         }
-        let left_out = self.without_value.count + self.repeated.count;
+        let left_out = self.without_value.count + self.repeated.count + self.differing.count;
         if left_out as f64 > MOST_LEFT_OUT * self.rows as f64 {
             let found = format!("{left_out} of {}", self.rows);
             let error =
                 place.refuse("rows that --resample leaves out", found, "must be at most a tenth");
             let hint = "rows without a value and rows that repeat a time are left out: remove them, or choose a column \
-                        without gaps with --columns";
+                        without gaps with --columns QUANTITY=COLUMN";
             return Err(error.with_hint(hint.to_owned()));
         }
         let repeated = self.repeated.told(["repeats a time", "repeat a time"]);
         self.reading.found.extend(repeated);
+        let differing = ["repeats a time with other values", "repeat a time with other values"];
+        self.reading.found.extend(self.differing.told(differing));
         let empty = self.without_value.told(["lacks a value", "lack a value"]);
         self.reading.found.extend(empty);
         Ok(())
@@ -246,18 +291,21 @@ impl Samples {
     /// the times.
     ///
     /// # Errors
-    /// Those of [`whole_steps`].
+    /// Those of [`steps_of`].
     pub(super) fn make_uniform(
         &mut self,
         time_s: Vec<f64>,
         columns: Vec<&mut Vec<f64>>,
     ) -> Result<Vec<f64>, TableError> {
         if let Some(step_s) = self.resample_s {
-            let steps = whole_steps(&time_s, step_s, &self.file)?;
+            let (steps, left_s) = steps_of(&time_s, step_s, &self.file)?;
+            self.reading.found.extend(without_last(left_s));
+            self.check_gaps(&time_s)?;
             let uniform = Uniform::of(&time_s, steps, step_s);
             for column in columns {
                 *column = uniform.interpolated(column, SplineEnds::NotAKnot);
             }
+            self.reading.is_interpolated = !uniform.is_known();
             self.lines = uniform.lines(&self.lines);
             return Ok(uniform.times_s);
         }
@@ -270,6 +318,31 @@ impl Samples {
         let step_s = uniform.step_s;
         self.reading.jitter = Some(Remark::Jitter { steps, step_s }.to_string());
         Ok(uniform.times_s)
+    }
+
+    /// Refuses times with a long gap, which a spline would fill with numbers that nobody measured, and tells a short one.
+    fn check_gaps(&mut self, time_s: &[f64]) -> Result<(), TableError> {
+        let mut steps_s: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let longest = (0..steps_s.len()).max_by(|a, b| steps_s[*a].total_cmp(&steps_s[*b]));
+        let Some((k, longest_s)) = longest.map(|k| (k, steps_s[k])) else { return Ok(()) };
+        let middle = steps_s.len() / 2;
+        let usual_s = *steps_s.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let steps = longest_s / usual_s;
+        let line = self.lines.get(k).copied();
+        if steps > LONGEST_GAP {
+            let place = Place { file: &self.file, line };
+            let found = format!("{} s after this row", significant(longest_s, 3));
+            let most = significant(LONGEST_GAP * usual_s, 3);
+            let must = format!("must be at most {most} s, {LONGEST_GAP} usual steps");
+            let hint = "fill the gap, or leave out the samples before or after it";
+            return Err(place.refuse("gap", found, must).with_hint(hint.to_owned()));
+        }
+        if steps > TOLD_GAP {
+            let line = line.map_or(String::new(), |line| format!(" after line {line}"));
+            let longest = significant(longest_s, 3);
+            self.reading.found.push(format!("a gap of {longest} s{line} interpolated"));
+        }
+        Ok(())
     }
 
     /// The uniform grid of the times of all samples.
@@ -287,7 +360,9 @@ impl Samples {
             if let HistoryError::Shape { column, .. } = &mut error {
                 *column = of.word;
             }
-            refuse_samples(&self.file, &self.lines, error.sample(), &error, error.hint())
+            let is_of_times = matches!(error, HistoryError::NotUniform(_));
+            let hint = if is_of_times { Some(OFF_GRID) } else { error.hint() };
+            refuse_samples(&self.file, &self.lines, error.sample(), &error, hint)
         })
     }
 
@@ -300,7 +375,17 @@ impl Samples {
     }
 
     fn push(&mut self, fields: &[&str], place: Place) -> Result<(), TableError> {
+        let first = fields.first().copied().unwrap_or_default();
+        if self.rows > 0 && SEGMENTS.contains(&first) {
+            let above = place.line.unwrap_or_default() - 1;
+            let hint = format!(
+                "--skip {above} reads this segment; write each one to a file of its own to read the others"
+            );
+            let error = place.refuse_whole("a further segment begins, but a table has one");
+            return Err(error.with_hint(hint));
+        }
         self.check_width(fields, place)?;
+        self.check_line(place)?;
         self.row.clear();
         for column in 0..self.headings.len() {
             let heading = &self.headings[column];
@@ -328,7 +413,9 @@ impl Samples {
         {
             let is_same = self.row[time].total_cmp(before).is_eq();
             if is_same && self.resample_s.is_some() {
-                self.repeated.count(place);
+                let mut pairs = self.row.iter().zip(&self.values);
+                let is_copy = pairs.all(|(own, before)| before.last() == Some(own));
+                if is_copy { &mut self.repeated } else { &mut self.differing }.count(place);
                 return Ok(());
             }
             let Heading { name, unit_text, index, .. } = &self.headings[time];
@@ -351,6 +438,19 @@ impl Samples {
         }
         self.lines.extend(place.line);
         Ok(())
+    }
+
+    /// Refuses a line without a sample between samples whose number is their time.
+    fn check_line(&mut self, place: Place) -> Result<(), TableError> {
+        let line = place.line.unwrap_or_default();
+        let before = std::mem::replace(&mut self.last_line, line);
+        if self.rate_hz.is_none() || self.rows == 0 || line <= before + 1 {
+            return Ok(());
+        }
+        let place = Place { line: Some(before + 1), ..place };
+        let message = "has no sample, but must have one: --sample-rate counts samples for the time";
+        let hint = "write \"\" for a missing sample, and leave out comments between samples";
+        Err(place.refuse_whole(message).with_hint(hint.to_owned()))
     }
 
     /// Refuses a row with another number of fields than columns.
@@ -392,7 +492,7 @@ impl Samples {
                 let must = format!("must be a time as in line {}", clock.first_line);
                 return Err(place.refuse(&heading.name, quoted(field), must));
             }
-            (_, None) => return read_number(field, heading, place),
+            (_, None) => return Ok(self.start_s + read_number(field, heading, place)?),
         };
         if heading.has_measure() && !is_count {
             let must = format!("must be a number of {}", heading.unit_text);
@@ -403,22 +503,24 @@ impl Samples {
         let clock = self.clock.get_or_insert_with(|| {
             let since = self.since.clone().filter(|since| now.since(since).is_some());
             let first_line = place.line.unwrap_or_default();
-            Clock {
-                since: since.unwrap_or(now.clone()),
-                first_line,
-                last: now.clone(),
-                midnights: 0,
-            }
+            let since = since.unwrap_or(now.clone());
+            // The table before may begin on the day before.
+            let midnights = i64::from(now.is_past_midnight(&since));
+            Clock { since, first_line, last: now.clone(), midnights }
         });
-        let now = now.later_by(clock.midnights);
+        let now = now.in_order_of(&clock.since).later_by(clock.midnights);
         let is_next_day = now.is_past_midnight(&clock.last);
         clock.midnights += i64::from(is_next_day);
         let now = now.later_by(i64::from(is_next_day));
         let time_s = now.since(&clock.since).ok_or_else(|| {
-            let must = format!(
-                "must have a date and a zone as {} has them",
-                quoted(&clock.since.to_string())
-            );
+            let first = quoted(&clock.since.to_string());
+            let must = if now.is_doubtful() || clock.since.is_doubtful() {
+                format!(
+                    "must show the order of day and month, as in 2026-11-30, to count from {first}"
+                )
+            } else {
+                format!("must have a date and a zone as {first} has them")
+            };
             place.refuse(&heading.name, quoted(field), must)
         })?;
         clock.last = now;
@@ -426,10 +528,10 @@ impl Samples {
     }
 }
 
-/// True for a field without a value.
+/// True for a field without a value: empty, or a word of instruments for no number and for one beyond their range.
 fn is_gap(field: &str) -> bool {
     let field = field.trim_start_matches(['-', '+']);
-    field.is_empty() || field.eq_ignore_ascii_case("nan")
+    ["", "nan", "inf", "infinity", "\u{221e}"].iter().any(|own| field.eq_ignore_ascii_case(own))
 }
 
 /// True for quantities that a motion or a path prescribes, whose digits show how exact they are.
@@ -440,9 +542,8 @@ fn is_followed(quantity: Quantity) -> bool {
 
 /// The uniform grid of times in a file with these `lines`.
 pub(super) fn grid_of(time_s: &[f64], file: &str, lines: &[u64]) -> Result<TimeGrid, TableError> {
-    TimeGrid::through(time_s).map_err(|error| {
-        refuse_samples(file, lines, Some(error.sample), &error, Some(error.hint()))
-    })
+    TimeGrid::through(time_s)
+        .map_err(|error| refuse_samples(file, lines, Some(error.sample), &error, Some(OFF_GRID)))
 }
 
 /// Error about one of the samples with these `lines`, or all of them, for the reason `why`.
@@ -461,10 +562,13 @@ pub(super) fn refuse_samples(
 /// Reads a field of a column in SI.
 fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, TableError> {
     let finite = "must be a finite number";
-    let by_resampling = || is_gap(field).then(|| BY_RESAMPLING.to_owned());
+    let by_resampling = || BY_RESAMPLING.to_owned();
     if field.is_empty() {
         let error = place.refuse(&heading.name, "an empty field", finite);
         return Err(error.with_hint(by_resampling()));
+    }
+    if is_gap(field) {
+        return Err(place.refuse(&heading.name, field, finite).with_hint(by_resampling()));
     }
     let Ok(number) = field.parse::<f64>() else {
         let hint = hint_for(field, heading);
@@ -474,7 +578,7 @@ fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, Tabl
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(place.refuse(&heading.name, shown(field), finite).with_hint(by_resampling()))
+        Err(place.refuse(&heading.name, shown(field), finite))
     }
 }
 
@@ -501,97 +605,4 @@ fn is_digits(field: &str) -> bool {
     let digits = field.strip_prefix(['-', '+']).unwrap_or(field);
     !digits.is_empty()
         && digits.bytes().all(|byte| byte.is_ascii_digit() || b".eE-".contains(&byte))
-}
-
-/// Fewest samples of a table.
-pub(super) const MIN_SAMPLES: usize = 4;
-
-/// Largest number of samples of a resampled motion.
-const MAX_SAMPLES: f64 = 1e7;
-
-/// Difference of times, in steps, below which they are equal.
-const SAME_TIME: f64 = 1e-6;
-
-/// Uniform times that start at the first of known times.
-#[expect(clippy::struct_field_names, reason = "their units end alike")]
-pub(super) struct Uniform<'a> {
-    known_s: &'a [f64],
-    pub(super) step_s: f64,
-    pub(super) times_s: Vec<f64>,
-}
-
-impl<'a> Uniform<'a> {
-    /// As many uniform times as there are known ones, from the first of these to the last.
-    pub(super) fn over(known_s: &'a [f64]) -> Self {
-        let last = known_s.len() - 1;
-        let mut uniform = Self::of(known_s, last, (known_s[last] - known_s[0]) / last as f64);
-        uniform.times_s[last] = known_s[last];
-        uniform
-    }
-
-    /// Times of this number of steps.
-    pub(super) fn of(known_s: &'a [f64], steps: usize, step_s: f64) -> Self {
-        let times_s = (0..=steps).map(|k| known_s[0] + k as f64 * step_s).collect();
-        Self { known_s, step_s, times_s }
-    }
-
-    /// Interpolates values at the known times by a cubic spline.
-    pub(super) fn interpolated(&self, values: &[f64], ends: SplineEnds) -> Vec<f64> {
-        let spline = CubicSpline::new(self.known_s, values, ends);
-        let (steps, last_s) = (self.times_s.len() - 1, self.known_s[self.known_s.len() - 1]);
-        // The motion rests at its end, so that a twentieth of a step does not matter.
-        let at = |(k, t): (usize, &f64)| if k == steps { last_s } else { t.min(last_s) };
-        self.times_s.iter().enumerate().map(|time| spline.value(at(time))).collect()
-    }
-
-    /// For each time, the line of the last known time that is not later; empty for samples without lines.
-    pub(super) fn lines(&self, lines: &[u64]) -> Vec<u64> {
-        let line = |time_s: &f64| {
-            let is_not_later = |known_s: &f64| *known_s <= time_s + SAME_TIME * self.step_s;
-            lines.get(self.known_s.partition_point(is_not_later).saturating_sub(1)).copied()
-        };
-        self.times_s.iter().filter_map(line).collect()
-    }
-}
-
-/// Number of steps from the first known time to the last.
-///
-/// # Errors
-/// [`TableError`] unless it is whole.
-pub(super) fn whole_steps(known_s: &[f64], step_s: f64, file: &str) -> Result<usize, TableError> {
-    let place = Place { file, line: None };
-    let duration_s = known_s[known_s.len() - 1] - known_s[0];
-    let refuse = |must: String| place.refuse("resampling step", format!("{step_s} s"), must);
-    if !(step_s.is_finite() && step_s > 0.0) {
-        return Err(refuse("must be finite and above 0".to_owned()));
-    }
-    let ratio = duration_s / step_s;
-    let steps = ratio.round();
-    let fewest = (MIN_SAMPLES - 1) as f64;
-    if steps < fewest {
-        let longest = duration_s / fewest;
-        let must =
-            format!("must be at most {} s, which gives {MIN_SAMPLES} samples", given(longest));
-        return Err(refuse(must));
-    }
-    if steps >= MAX_SAMPLES {
-        let shortest = duration_s / (MAX_SAMPLES - 1.0);
-        let must =
-            format!("must be at least {} s, which gives {MAX_SAMPLES:e} samples", given(shortest));
-        return Err(refuse(must));
-    }
-    if (ratio - steps).abs() > LARGEST_JITTER {
-        let below = ratio.floor().max(fewest);
-        let (long, short) = (duration_s / below, duration_s / (below + 1.0));
-        let must = format!("must divide the motion's {} s into whole steps", given(duration_s));
-        // With all digits, so that the user can copy one of them.
-        let hint = format!("the nearest steps that do are {short} s and {long} s");
-        return Err(refuse(must).with_hint(hint));
-    }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number from 3 to 1e7"
-    )]
-    Ok(steps as usize)
 }

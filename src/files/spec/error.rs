@@ -150,7 +150,7 @@ enum Reason {
     NotTables,
     Unknown {
         key: String,
-        known: &'static [&'static str],
+        known: Vec<&'static str>,
     },
     Missing {
         key: &'static str,
@@ -164,6 +164,14 @@ impl Misfit {
 
     pub(super) fn not_tables() -> Self {
         Self::new(Reason::NotTables)
+    }
+
+    /// Adds known keys to an unknown one of the outermost table.
+    pub(super) fn knowing(mut self, keys: &[&'static str]) -> Self {
+        if let (Reason::Unknown { known, .. }, []) = (&mut self.reason, &self.steps[..]) {
+            known.extend(keys);
+        }
+        self
     }
 
     /// Adds an outer step to the path; `found` quotes the value unless an inner quote exists.
@@ -198,7 +206,7 @@ impl de::Error for Misfit {
     }
 
     fn unknown_field(key: &str, known: &'static [&'static str]) -> Self {
-        Self::new(Reason::Unknown { key: key.to_owned(), known })
+        Self::new(Reason::Unknown { key: key.to_owned(), known: known.to_vec() })
     }
 
     fn missing_field(key: &'static str) -> Self {
@@ -231,7 +239,7 @@ impl From<Misfit> for Fault {
                     .then(|| "a hub that slides is a [carriage], which has a mass".to_owned());
                 let hint = of_carriage
                     .or_else(|| did_you_mean(&key, known.iter().copied()))
-                    .unwrap_or_else(|| format!("known here: {}", listed(known, "and")));
+                    .unwrap_or_else(|| format!("known here: {}", listed(&known, "and")));
                 Self::new(inner(&key), format!("unknown key `{}`{place}", excerpt(&key)))
                     .hinting(hint)
             }

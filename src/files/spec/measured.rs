@@ -7,8 +7,8 @@ use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 
 use super::document::located;
 use super::error::{Fault, SpecError};
-use super::measured_table::TableKeys;
-use super::measured_values::{Hertz, MeasuredOf, ModeKeys, RawDamping, RawFrequency, checked};
+use super::measured_table::{RawTable, TableKeys, Tabled};
+use super::measured_values::{MeasuredOf, ModeKeys, RawDamping, RawFrequency, checked};
 use super::tree::Node;
 use super::value::{Angle, Count, Length, Resistance, Si, Time, TorqueConstant, tables};
 use crate::fit::{DecayValues, Gain, HubEnd, Measured, Motor, Observable, RecordedInput};
@@ -26,11 +26,11 @@ struct RawMeasurements {
     #[serde(default, deserialize_with = "tables")]
     damping: Vec<RawDamping>,
     #[serde(default, deserialize_with = "tables")]
-    response: Vec<RawResponse>,
+    response: Vec<Tabled<RawResponse>>,
     #[serde(default, deserialize_with = "tables")]
-    record: Vec<RawRecord>,
+    record: Vec<Tabled<RawRecord>>,
     #[serde(default, deserialize_with = "tables")]
-    decay: Vec<RawDecay>,
+    decay: Vec<Tabled<RawDecay>>,
     drive: Option<RawMotor>,
     /// The older name of `drive`.
     motor: Option<RawMotor>,
@@ -98,14 +98,19 @@ fn convert(raw: RawMeasurements, (links, is_driven): (usize, bool)) -> Result<Me
     let values = each("frequency", raw.frequency, |raw, path| raw.convert(path, &of))?;
     let ratios = each("damping", raw.damping, |raw, path| raw.convert(path, &of))?;
     let values = [values, ratios].concat();
-    let decays = each("decay", raw.decay, |raw, path| raw.convert(path, &of))?;
+    let decays =
+        each("decay", raw.decay, |Tabled(table, raw), path| raw.convert((path, table), &of))?;
     let table = if raw.motor.is_some() { "motor" } else { "drive" };
     let raw_motor = raw.drive.or(raw.motor);
     let has_pinion = raw_motor.is_some_and(|motor| motor.pinion_radius.is_some());
     let motor = raw_motor.map(|own| own.convert(table)).transpose()?;
     let has_motor = motor.is_some() || is_driven;
-    let responses = each("response", raw.response, |raw, path| raw.convert(path, has_motor))?;
-    let records = each("record", raw.record, |raw, path| raw.convert(path, has_motor))?;
+    let responses = each("response", raw.response, |Tabled(table, raw), path| {
+        raw.convert((path, table), has_motor)
+    })?;
+    let records = each("record", raw.record, |Tabled(table, raw), path| {
+        raw.convert((path, table), has_motor)
+    })?;
     if values.is_empty() && responses.is_empty() && records.is_empty() && decays.is_empty() {
         let hint = if of.is_arm() {
             "[[frequency]] with mode, value, joints and at, [[damping]] with mode, ratio, joints and at, [[decay]] \
@@ -167,13 +172,6 @@ pub(super) struct RawResponse {
     gain: Option<Gain>,
     distance: Option<Length>,
     uncertainty: Option<f64>,
-    skip: Option<Count>,
-    #[serde(default)]
-    columns: Vec<String>,
-    #[serde(default)]
-    scale: Vec<String>,
-    delimiter: Option<String>,
-    decimal: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -192,17 +190,15 @@ enum RawPer {
 }
 
 impl RawResponse {
-    pub(super) fn convert(self, path: &str, has_motor: bool) -> Result<ResponseFile, Fault> {
+    fn convert(
+        self,
+        (path, table): (&str, RawTable),
+        has_motor: bool,
+    ) -> Result<ResponseFile, Fault> {
         let first_zero = self.first_zero(path)?;
         let Self { file, transfer, per, gain, distance, uncertainty, .. } = self;
-        let table = TableKeys {
-            skip: self.skip.map_or(0, |Count(lines)| lines),
-            columns: self.columns,
-            scale: self.scale,
-            delimiter: self.delimiter,
-            decimal: self.decimal,
-            ..TableKeys::default()
-        };
+        let of_time = ["time_unit", "unit", "sample_rate", "resample"];
+        let table = table.convert(path, (&of_time, "for a response, which is over frequencies"))?;
         checked(path, "uncertainty", uncertainty)?;
         let gain = gain.unwrap_or_default();
         let is_per_volt = per == Some(RawPer::Volt);
@@ -302,17 +298,6 @@ pub(super) struct RawRecord {
     input: RecordedInput,
     hold: Option<Interpolation>,
     delay: Option<RawFreedom>,
-    skip: Option<Count>,
-    #[serde(default)]
-    columns: Vec<String>,
-    #[serde(default)]
-    scale: Vec<String>,
-    delimiter: Option<String>,
-    decimal: Option<String>,
-    time_unit: Option<String>,
-    unit: Option<String>,
-    sample_rate: Option<Hertz>,
-    resample: Option<Time>,
     #[serde(default, deserialize_with = "tables")]
     channel: Vec<RawChannel>,
 }
@@ -372,7 +357,11 @@ impl RawMotor {
 }
 
 impl RawRecord {
-    pub(super) fn convert(self, path: &str, has_motor: bool) -> Result<RecordFile, Fault> {
+    fn convert(
+        self,
+        (path, table): (&str, RawTable),
+        has_motor: bool,
+    ) -> Result<RecordFile, Fault> {
         let input = self.input;
         if input == RecordedInput::Voltage {
             check_motor(&format!("{path}.input"), "voltage", has_motor)?;
@@ -410,17 +399,7 @@ impl RawRecord {
             input,
             hold: self.hold.unwrap_or_default(),
             is_delay_free: self.delay == Some(RawFreedom::Free),
-            table: TableKeys {
-                skip: self.skip.map_or(0, |Count(lines)| lines),
-                columns: self.columns,
-                scale: self.scale,
-                delimiter: self.delimiter,
-                decimal: self.decimal,
-                time_unit: self.time_unit,
-                unit: self.unit,
-                sample_rate_hz: self.sample_rate.map(|Hertz(rate)| rate),
-                resample_s: self.resample.map(Si::si),
-            },
+            table: table.convert(path, (&[], ""))?,
             channels,
         })
     }
@@ -480,14 +459,6 @@ pub(super) struct RawDecay {
     uncertainty: Option<f64>,
     from: Option<Time>,
     until: Option<Time>,
-    skip: Option<Count>,
-    #[serde(default)]
-    columns: Vec<String>,
-    delimiter: Option<String>,
-    decimal: Option<String>,
-    time_unit: Option<String>,
-    sample_rate: Option<Hertz>,
-    resample: Option<Time>,
 }
 
 /// The number of a mode, or a list of them.
@@ -517,7 +488,7 @@ impl<'de> Deserialize<'de> for Modes {
 }
 
 impl RawDecay {
-    pub(super) fn convert(self, path: &str, of: &MeasuredOf) -> Result<DecayFile, Fault> {
+    fn convert(self, (path, table): (&str, RawTable), of: &MeasuredOf) -> Result<DecayFile, Fault> {
         let Self { file, mode, hub, joints, at, sensor, only, uncertainty, .. } = self;
         checked(path, "uncertainty", uncertainty)?;
         let modes = mode.map_or(vec![Count(1)], |Modes(modes)| modes);
@@ -542,16 +513,7 @@ impl RawDecay {
             uncertainty,
             sensor,
             span_s,
-            table: TableKeys {
-                skip: self.skip.map_or(0, |Count(lines)| lines),
-                columns: self.columns,
-                delimiter: self.delimiter,
-                decimal: self.decimal,
-                time_unit: self.time_unit,
-                sample_rate_hz: self.sample_rate.map(|Hertz(rate)| rate),
-                resample_s: self.resample.map(Si::si),
-                ..TableKeys::default()
-            },
+            table: table.convert(path, (&["scale", "unit"], "for a decay, in any unit"))?,
         })
     }
 }
@@ -632,6 +594,10 @@ mod tests {
                  \"carriage_velocity\", beside loop = \"closed\": no other sensor has the zeros of the clamped link",
             ),
             (
+                "[[response]]\nfile = 'f.csv'\ntransfer = 'hub_angle'\nresample = 2\n".to_owned(),
+                "m.toml:4: response.0.resample has no meaning for a response, which is over frequencies",
+            ),
+            (
                 MOTOR.replace("8.4", "0"),
                 "m.toml:3: drive.resistance = 0 ohm, but must be finite and above 0",
             ),
@@ -674,11 +640,21 @@ mod tests {
             ("mode = 0", "m.toml:4: decay.0.mode = 0, but must be a whole number from 1"),
             ("mode = [0]", "m.toml:4: decay.0.mode.0 = 0, but must be a whole number from 1"),
             ("from = 2\nuntil = 1", "m.toml:5: decay.0.until must be after from"),
+            ("resampel = 1", "m.toml:4: unknown key `resampel` in decay.0"),
+            ("skip = -1", "m.toml:4: decay.0.skip = -1, but must be a whole number from 1"),
+            ("scale = ['displacement=2']", "m.toml:4: decay.0.scale has no meaning for a decay"),
             ("at = ['0 deg']", "m.toml:4: decay.0.at is for arms; one link takes no directions"),
             ("only = 'phase'", "m.toml:4: decay.0.only"),
         ] {
             let refused = read(more).unwrap_err().to_string();
             assert!(refused.starts_with(expected), "{refused}");
         }
+        // The keys of the table are known, too.
+        assert_eq!(read("resampel = 1").unwrap_err().hint(), Some("did you mean `resample`?"));
+        let known = read("xyz = 1").unwrap_err().hint().unwrap().to_owned();
+        assert!(
+            known.starts_with("known here: file, mode, ") && known.ends_with(" and resample"),
+            "{known}"
+        );
     }
 }

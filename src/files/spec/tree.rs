@@ -1,6 +1,7 @@
 //! The link file as a tree of values, each with the line or `--set` that wrote it; serde reads the raw form from this
 //! tree.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use serde::de::value::StrDeserializer;
@@ -184,6 +185,21 @@ impl<'de> Deserializer<'de> for &'de Node {
         }
     }
 
+    /// Gives the first of two structs the entries that it knows, and the second one all others.
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        _len: usize,
+        visitor: V,
+    ) -> Result<V::Value, Misfit> {
+        match &self.kind {
+            Kind::Table(entries) => {
+                visitor.visit_seq(Parts { entries, known: Cell::default(), is_second: false })
+            }
+            _ => Err(Misfit::invalid_type(Unexpected::Map, &visitor)),
+        }
+    }
+
     /// Accepts one word.
     fn deserialize_enum<V: Visitor<'de>>(
         self,
@@ -218,7 +234,55 @@ impl<'de> Deserializer<'de> for &'de Node {
 
     forward_to_deserialize_any! {
         bool u8 u16 u32 u64 i8 i16 i32 i64 f32 f64 char str string seq bytes byte_buf map unit
-        ignored_any unit_struct tuple_struct tuple identifier
+        ignored_any unit_struct tuple identifier
+    }
+}
+
+/// A table for two structs.
+struct Parts<'de> {
+    entries: &'de [(String, Node)],
+    /// Keys of the first one.
+    known: Cell<&'static [&'static str]>,
+    is_second: bool,
+}
+
+impl<'de> SeqAccess<'de> for Parts<'de> {
+    type Error = Misfit;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(
+        &mut self,
+        seed: T,
+    ) -> Result<Option<T::Value>, Misfit> {
+        let part = seed.deserialize(&*self).map_err(|misfit| misfit.knowing(self.known.get()));
+        self.is_second = true;
+        part.map(Some)
+    }
+}
+
+impl<'de> Deserializer<'de> for &Parts<'de> {
+    type Error = Misfit;
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Misfit> {
+        if !self.is_second {
+            self.known.set(fields);
+        }
+        let known = self.known.get();
+        let own = |(key, _): &&(String, Node)| known.contains(&key.as_str()) != self.is_second;
+        visitor.visit_map(Entries { entries: self.entries.iter().filter(own), value: None })
+    }
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+        Err(Misfit::invalid_type(Unexpected::Map, &visitor))
+    }
+
+    forward_to_deserialize_any! {
+        bool u8 u16 u32 u64 i8 i16 i32 i64 f32 f64 char str string seq bytes byte_buf map unit
+        ignored_any unit_struct tuple tuple_struct newtype_struct enum option identifier
     }
 }
 
@@ -238,12 +302,12 @@ impl<'de> SeqAccess<'de> for Items<'de> {
     }
 }
 
-struct Entries<'de> {
-    entries: std::slice::Iter<'de, (String, Node)>,
+struct Entries<'de, I> {
+    entries: I,
     value: Option<&'de (String, Node)>,
 }
 
-impl<'de> MapAccess<'de> for Entries<'de> {
+impl<'de, I: Iterator<Item = &'de (String, Node)>> MapAccess<'de> for Entries<'de, I> {
     type Error = Misfit;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(

@@ -55,12 +55,16 @@ impl StateSpaceFile<'_> {
     /// Errors of `out`; more than 2 GiB in an array.
     pub fn write(&self, form: StateSpaceForm, out: &mut (dyn Write + Send)) -> io::Result<()> {
         let space = self.space;
+        let second_order = space.second_order();
         let signals = [&space.states, &space.inputs, &space.outputs].map(|own| texts(own));
         let mut arrays = vec![
             ("title", Values::Text(self.title)),
             ("description", Values::Text(self.description)),
         ];
-        for (name, matrix) in [("A", &space.a), ("B", &space.b), ("C", &space.c), ("D", &space.d)] {
+        let [mass, stiffness, damping] = &second_order;
+        let of_modes = [("mass", mass), ("stiffness", stiffness), ("damping", damping)];
+        let of_states = [("A", &space.a), ("B", &space.b), ("C", &space.c), ("D", &space.d)];
+        for (name, matrix) in of_states.into_iter().chain(of_modes) {
             let (rows, columns) = matrix.shape();
             arrays.push((name, Values::Matrix { rows, columns, by_column: matrix.as_slice() }));
         }

@@ -205,8 +205,11 @@ impl Sensor {
     /// Response per torque at the hub, or force on the carriage, including joint friction, at angular frequencies above 0.
     ///
     /// ```text
-    /// θ/T = −(θ/v_tip)/(ω² T/a_tip),   w''/T = −(M_root/a_tip)/(EI κ T/a_tip)
+    /// θ/T = −(θ/v_tip)/(ω² T/a_tip),   w''/T = −((M + M_d)/a_tip)/(EI κ T/a_tip)
     /// ```
+    ///
+    /// M is the moment at the root that accelerates the link. Damping, by κ or as the moment `M_d` of modal damping, is no
+    /// strain.
     pub fn per_torque(self, model: &dyn Model, omegas_rad_s: &[f64]) -> Vec<Complex64> {
         let transfers = model.tip_transfers(omegas_rad_s);
         let rows = transfers.iter().zip(omegas_rad_s);
@@ -228,7 +231,8 @@ impl Sensor {
                 let root = &model.link().segments()[0].bending_stiffness_n_m2;
                 let stiffness = law.stiffness_factor(omega) * root.inner;
                 let with_mass_damping = 1.0 + law.mass_rate_per_s() / rate;
-                -transfer.root_inertia_kg_m * with_mass_damping * acceleration / stiffness
+                let moment = transfer.root_inertia_kg_m * with_mass_damping;
+                -(moment + model.root_damping_kg_m(omega)) * acceleration / stiffness
             }
         }
     }

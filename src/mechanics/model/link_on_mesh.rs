@@ -77,6 +77,11 @@ pub trait Model: Debug + Send + Sync {
         KeptModes::All
     }
 
+    /// Moment at the root in kg m by which modal damping opposes the motion of the link, per acceleration of the tip.
+    fn root_damping_kg_m(&self, _omega_rad_s: f64) -> Complex64 {
+        Complex64::ZERO
+    }
+
     /// Transfers from the tip to torque and hub angle at ω.
     fn tip_transfer(&self, omega_rad_s: f64) -> TipTransfer;
 

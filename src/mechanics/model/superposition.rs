@@ -173,6 +173,21 @@ impl Model for Superposition {
         self.kept
     }
 
+    fn root_damping_kg_m(&self, omega_rad_s: f64) -> Complex64 {
+        if !self.law().is_modal() {
+            return Complex64::ZERO;
+        }
+        let coordinates = self.coordinates(omega_rad_s);
+        let of_mode = |((mode_rad_s, _), (q, share)): (&(f64, Share), &(Complex64, &Share))| {
+            let undamped = mode_rad_s * mode_rad_s - omega_rad_s * omega_rad_s;
+            // What the torque does beside stiffness and inertia: `p = q (ω_k² − ω²) + q 2iζω_kω`.
+            (share.hub_angle - q * undamped) * share.moments[0]
+        };
+        let damped: Complex64 = self.modes.iter().zip(&coordinates).map(of_mode).sum();
+        let inertia_kg_m = self.tip_of(omega_rad_s, &coordinates).inertia_kg_m;
+        damped * inertia_kg_m
+    }
+
     fn tip_transfer(&self, omega_rad_s: f64) -> TipTransfer {
         self.tip_of(omega_rad_s, &self.coordinates(omega_rad_s))
     }

@@ -24,7 +24,7 @@ pub(crate) use sampling::{PANEL, Sampling, Transforms};
 pub(crate) use scalar::wide::Wide;
 pub use scalar::{Scalar, Size, largest, largest_difference, magnitude};
 pub(crate) use scalar::{dot, extremes, relative_change, rounded};
-pub(crate) use spline::{CubicSpline, QuinticSpline, SplineEnds};
+pub(crate) use spline::{CubicSpline, QuinticSpline, SplineEnds, TimeCurve};
 pub use student::{NORMAL_95, student_95};
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
 pub(crate) use units::{

@@ -1,7 +1,10 @@
 //! Cubic and quintic splines through samples.
 
+use std::borrow::Cow;
+
 use nalgebra::{Matrix2, Vector2};
 
+use super::grid::TimeGrid;
 use crate::system::end_if_stopped;
 
 /// Condition of a [`CubicSpline`] at its two ends.
@@ -90,6 +93,73 @@ impl CubicSpline {
         let u = 1.0 - t;
         let rise = 6.0 * t * u * (self.y[i + 1] - self.y[i]) / h;
         rise + u * (1.0 - 3.0 * t) * self.slope[i] + t * (3.0 * t - 2.0) * self.slope[i + 1]
+    }
+}
+
+/// Distance of a time from a sample, in steps, that is round-off.
+const ON_SAMPLE: f64 = 1e-6;
+
+/// Largest distance of a time from the ends of a grid, in steps, as in [`TimeGrid::through`].
+const AT_END: f64 = 1e-3;
+
+/// A quantity over a time grid: a cubic spline through its samples. The first and the last sample hold outside.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TimeCurve {
+    grid: TimeGrid,
+    spline: CubicSpline,
+}
+
+impl TimeCurve {
+    /// Draws the curve through the samples of a grid.
+    ///
+    /// # Panics
+    /// With fewer than 4 samples.
+    pub(crate) fn new(grid: TimeGrid, samples: &[f64], ends: SplineEnds) -> Self {
+        Self { grid, spline: CubicSpline::uniform(samples, ends) }
+    }
+
+    /// Samples of a grid at the times of another; those on both grids stay as they are.
+    pub(crate) fn resampled<'a>(
+        samples: &'a [f64],
+        from: TimeGrid,
+        to: &TimeGrid,
+    ) -> Cow<'a, [f64]> {
+        if from == *to {
+            return samples.into();
+        }
+        let curve = Self::new(from, samples, SplineEnds::NotAKnot);
+        (0..to.len).map(|k| curve.value(to.time_s(k))).collect()
+    }
+
+    /// Times of the samples.
+    pub(crate) fn grid(&self) -> &TimeGrid {
+        &self.grid
+    }
+
+    /// Distance of a time in s from the first sample, in steps.
+    fn place(&self, time_s: f64) -> f64 {
+        (time_s - self.grid.time_s(0)) / self.grid.step_s
+    }
+
+    /// True for a time in s from the first sample to the last.
+    pub(crate) fn covers(&self, time_s: f64) -> bool {
+        let last = (self.grid.len - 1) as f64;
+        (-AT_END..=last + AT_END).contains(&self.place(time_s))
+    }
+
+    /// Value at a time in s.
+    pub(crate) fn value(&self, time_s: f64) -> f64 {
+        let place = self.place(time_s).clamp(0.0, (self.grid.len - 1) as f64);
+        let nearest = place.round();
+        let is_sample = (place - nearest).abs() <= ON_SAMPLE;
+        self.spline.value(if is_sample { nearest } else { place })
+    }
+
+    /// Rate per s at a time in s; 0 outside the samples.
+    pub(crate) fn rate(&self, time_s: f64) -> f64 {
+        let (place, last) = (self.place(time_s), (self.grid.len - 1) as f64);
+        let is_inside = (0.0..=last).contains(&place);
+        if is_inside { self.spline.slope(place) / self.grid.step_s } else { 0.0 }
     }
 }
 
@@ -247,6 +317,29 @@ fn inverse(m: &Matrix2<f64>) -> Matrix2<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_curve_keeps_its_samples_on_other_grids_and_its_ends_outside() {
+        let from = TimeGrid { origin_s: 0.1, step_s: 0.3, first: -1, len: 5 };
+        let cube = |t: f64| t * (1.0 - t * t);
+        let samples: Vec<f64> = (0..5).map(|k| cube(from.time_s(k))).collect();
+        // A third of the step: each third time is a sample to round-off.
+        let to = TimeGrid { origin_s: 0.1, step_s: 0.1, first: -6, len: 20 };
+        let found = TimeCurve::resampled(&samples, from, &to);
+        for (k, value) in found.iter().enumerate() {
+            let time_s = to.time_s(k);
+            let is_near = |own: &usize| (from.time_s(*own) - time_s).abs() < 1e-9;
+            match (0..5).find(is_near) {
+                Some(own) => assert_eq!(value.to_bits(), samples[own].to_bits(), "{k}"),
+                None if time_s < -0.2 => assert_eq!(value.to_bits(), samples[0].to_bits(), "{k}"),
+                None if time_s > 1.0 => assert_eq!(value.to_bits(), samples[4].to_bits(), "{k}"),
+                None => assert!((value - cube(time_s)).abs() < 1e-14, "{k}: {value}"),
+            }
+        }
+        let curve = TimeCurve::new(from, &samples, SplineEnds::NotAKnot);
+        assert!((curve.rate(0.25) - (1.0 - 3.0 * 0.0625)).abs() < 1e-13);
+        assert!(curve.rate(1.31) == 0.0 && curve.covers(1.0002) && !curve.covers(1.0004));
+    }
 
     type Curve = fn(f64) -> f64;
 

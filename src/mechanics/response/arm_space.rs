@@ -23,12 +23,17 @@ impl ArmPose {
     /// [`ArmModes::state_space`] with as many modes as the pose has, at most.
     fn state_space(&self, scope: &StateSpaceScope) -> Result<StateSpace, PoseError> {
         let joints = self.joints.len();
-        let mut all = self.undamped(None, usize::MAX)?;
-        let others = all.split_off((scope.modes + joints).min(all.len()));
+        // The swing of one link is mode 0.
+        let first = usize::from(joints > 1);
+        let numbered = (first..).zip(self.undamped(None, usize::MAX)?);
+        let rigid = first..=first + joints - 1;
+        let (all, others): (Vec<_>, Vec<_>) =
+            numbered.partition(|(number, _)| scope.modes.has(*number, rigid.clone()));
+        let (numbers, all): (Vec<usize>, Vec<_>) = all.into_iter().unzip();
         let shapes: Vec<&[f64]> = all.iter().map(|mode| &mode.shape[..]).collect();
         let of_rest = |joint: usize| {
             let mut rest = vec![0.0; self.count];
-            for mode in &others {
+            for (_, mode) in &others {
                 let factor = mode.shape[joint] / mode.square_per_s2;
                 rest.iter_mut().zip(&mode.shape).for_each(|(own, x)| *own += factor * x);
             }
@@ -75,8 +80,7 @@ impl ArmPose {
             (Signal::new(format!("torque{number}"), "N m"), turns)
         });
         let modes = Modes {
-            // The swing of one link is mode 0.
-            first: usize::from(joints > 1),
+            numbers,
             squares_per_s2: all.iter().map(|mode| mode.square_per_s2).collect(),
             viscous,
             loss,
@@ -127,6 +131,7 @@ impl ArmPose {
 
 #[cfg(test)]
 mod tests {
+    use super::super::state_space::ModeChoice;
     use super::*;
     use crate::link::{
         Arm, ArmLink, ArmParts, Damping, Hub, Link, LinkParts, Payload, Segment, uniform,
@@ -148,6 +153,25 @@ mod tests {
         let gravity_m_s2 = [0.0, -9.81];
         let arm = Arm::new(ArmParts { links, gravity_m_s2, ..ArmParts::default() }).unwrap();
         ArmPose::of(&arm, &[-0.8, 0.4], (0.0, 4)).unwrap()
+    }
+
+    fn scope(modes: usize, has_residual: bool) -> StateSpaceScope {
+        StateSpaceScope { modes: ModeChoice::First(modes), stations_m: Vec::new(), has_residual }
+    }
+
+    /// With the static response of the others a mode left out far above adds nothing; one below is missed.
+    #[test]
+    fn chosen_modes_are_those_of_all() {
+        let pose = pose(&Damping::None);
+        let all = pose.state_space(&scope(4, false)).unwrap();
+        let modes = ModeChoice::Numbers(vec![5, 2]);
+        let few = pose.state_space(&StateSpaceScope { modes, ..scope(0, false) }).unwrap();
+        assert_eq!(few.numbers().collect::<Vec<_>>(), [2, 5]);
+        for (own, of_all) in [(0, 1), (1, 4)] {
+            assert_eq!(few.a[(2 + own, own)].to_bits(), all.a[(6 + of_all, of_all)].to_bits());
+            assert_eq!(few.b.row(2 + own), all.b.row(6 + of_all));
+            assert_eq!(few.c.column(own), all.c.column(of_all));
+        }
     }
 
     fn worst(pose: &ArmPose, scope: &StateSpaceScope, hertz: f64) -> f64 {
@@ -172,8 +196,7 @@ mod tests {
 
     #[test]
     fn the_response_in_a_pose_is_that_of_frf() {
-        let all = StateSpaceScope { modes: 1000, has_residual: true, ..StateSpaceScope::default() };
-        let few = StateSpaceScope { modes: 4, ..all.clone() };
+        let [all, few] = [1000, 4].map(|modes| scope(modes, true));
         let pose = pose(&Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 2e-4 });
         for hertz in [0.05, 0.7, 3.0, 11.0] {
             assert!(worst(&pose, &all, hertz) < 1e-9, "{:e}", worst(&pose, &all, hertz));
@@ -186,7 +209,7 @@ mod tests {
     #[test]
     fn hysteretic_damping_stands_in_as_told() {
         let pose = pose(&Damping::Hysteretic { ratio: 0.01 });
-        let scope = StateSpaceScope { modes: 1000, ..StateSpaceScope::default() };
+        let scope = scope(1000, false);
         let told = pose.state_space(&scope).unwrap().hysteretic_difference.unwrap();
         let most = [0.3, 0.7, 3.0, 9.0, 20.0].map(|hertz| worst(&pose, &scope, hertz));
         let most = most.into_iter().fold(0.0, f64::max);
@@ -197,7 +220,7 @@ mod tests {
     fn stations_are_places_on_the_links_and_the_root_bends_as_its_moment_says() {
         let pose = pose(&Damping::None);
         let stations_m = vec![0.53, 0.3];
-        let scope = StateSpaceScope { modes: 3, stations_m, has_residual: true };
+        let scope = StateSpaceScope { stations_m, ..scope(3, true) };
         let found = pose.state_space(&scope).unwrap();
         let names: Vec<&str> = found.outputs.iter().map(|own| &*own.name).collect();
         let stations = ["link1_station1_x", "link1_station1_y", "link1_station2_x"];

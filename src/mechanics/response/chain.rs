@@ -10,6 +10,8 @@
 //! r(s) = u n + ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ k ψ₀² + ½ ∫ EI ψ'² ds − Σ m g·r
 //! ```
 
+use std::ops::Range;
+
 use super::balance::{Balance, Met, Place};
 use crate::link::{Link, POSITION_TOLERANCE, Payload, Taper};
 use crate::numeric::{GaussRule, dot, piece_shapes};
@@ -253,6 +255,8 @@ impl Chain {
                     [cosine, sine, rate, rate * rate]
                 })
                 .collect();
+            let (bent, from) = piece.bent();
+            let bent = own + bent.start..own + bent.end;
             for (point, within) in piece.within.iter().enumerate() {
                 here.clone_from(&inner);
                 let mut turned = [0.0; 2];
@@ -265,9 +269,9 @@ impl Chain {
                         here.rate_m_s[axis] += by * rate;
                         here.centripetal_m_s2[axis] -= part * square;
                         turned[axis] += by;
-                        for (i, bent) in piece.coordinates() {
-                            here.by[axis][own + i] += by * piece.shapes[k][bent];
-                        }
+                        let entries = here.by[axis][bent.clone()].iter_mut();
+                        let shapes = entries.zip(&piece.shapes[k][from..]);
+                        shapes.for_each(|(entry, shape)| *entry += by * shape);
                     }
                 }
                 for i in &hub {
@@ -372,10 +376,15 @@ impl Piece {
 
     /// Coordinates that bend the piece, and their numbers among its shapes.
     pub(super) fn coordinates(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<> {
-        let (first, count) = (self.first, self.order());
+        let (coordinates, from) = self.bent();
+        coordinates.zip(from..)
+    }
+
+    /// Coordinates that bend the piece, and the number of the first of its shapes.
+    fn bent(&self) -> (Range<usize>, usize) {
         // The joint's position is no slope from its tangent line.
-        let inner = (first > 1).then(|| (first - 1, 0));
-        inner.into_iter().chain((0..count).map(move |k| (first + k, k + 1)))
+        let from = usize::from(self.first == 1);
+        (self.first + from - 1..self.first + self.order(), from)
     }
 
     /// True on a spring at the root, whose slope is the coordinate between the joint's position and its own.

@@ -6,7 +6,7 @@ use super::driving::{CycleError, Interpolation, Jump};
 use super::error::SimulationError;
 use crate::link::{ParameterError, not_negative};
 use crate::motion::wrapped;
-use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeGrid};
+use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeCurve, TimeGrid};
 
 /// Warning threshold of the angle between a reference and the hub at the start in rad.
 pub(super) const APART_RAD: f64 = 1e-4;
@@ -139,6 +139,8 @@ pub struct HubReference {
     grid: TimeGrid,
     angle_rad: Vec<f64>,
     rate_rad_s: Option<Vec<f64>>,
+    /// Angle in rad and rate in rad/s at which the hub arrives at its first sample.
+    arrival: Option<[f64; 2]>,
 }
 
 impl HubReference {
@@ -155,31 +157,33 @@ impl HubReference {
         let rate = rate_rad_s.as_deref().map(|rate| ("hub_rate", rate));
         let columns: Vec<_> = [("hub_angle", &angle_rad[..])].into_iter().chain(rate).collect();
         let grid = grid_of(time_s, &columns)?;
-        Ok(Self { grid, angle_rad, rate_rad_s })
+        Ok(Self { grid, angle_rad, rate_rad_s, arrival: None })
     }
 
-    /// The motion, its times shifted by `shift_s` in s, at the times of `grid`: samples at these times as they are, others by a
-    /// cubic spline. `None` for times before the first sample or after the last.
-    pub fn on_times(&self, grid: &TimeGrid, shift_s: f64) -> Option<Self> {
-        let last = self.grid.len - 1;
-        let places: Vec<f64> = (0..grid.len)
-            .map(|k| (grid.time_s(k) - shift_s - self.grid.time_s(0)) / self.grid.step_s)
-            .collect();
-        let is_covered = |place: &f64| (-SAME_TIME..=last as f64 + SAME_TIME).contains(place);
-        if !places.iter().all(is_covered) {
+    /// The motion as a prescribed one whose hub arrives at the first sample with an angle in rad and a rate in rad/s, and with
+    /// it a linear link that turns undeformed. Without this the hub rests at the first sample.
+    #[must_use]
+    pub fn arriving(self, angle_rad: f64, rate_rad_s: f64) -> Self {
+        Self { arrival: Some([angle_rad, rate_rad_s]), ..self }
+    }
+
+    /// Angle in rad and rate in rad/s of a prescribed hub before its first sample.
+    pub(super) fn arrival(&self) -> [f64; 2] {
+        self.arrival.unwrap_or([self.angle_rad[0], 0.0])
+    }
+
+    /// The motion at the times of `grid`: samples at these times as they are, others by a cubic spline. `None` for times before
+    /// the first sample or after the last.
+    pub fn on_times(&self, grid: &TimeGrid) -> Option<Self> {
+        let own = self.grid;
+        let curve = TimeCurve::new(own, &self.angle_rad, SplineEnds::NotAKnot);
+        if ![grid.time_s(0), grid.end_s()].iter().all(|time_s| curve.covers(*time_s)) {
             return None;
         }
-        let sampled = |samples: &[f64]| -> Vec<f64> {
-            let spline = CubicSpline::uniform(samples, SplineEnds::NotAKnot);
-            let at = |place: &f64| {
-                let nearest = place.round().clamp(0.0, last as f64);
-                let is_near = (place - nearest).abs() <= SAME_TIME;
-                if is_near { samples[nearest as usize] } else { spline.value(*place) }
-            };
-            places.iter().map(at).collect()
-        };
-        let rate_rad_s = self.rate_rad_s.as_deref().map(sampled);
-        Some(Self { grid: *grid, angle_rad: sampled(&self.angle_rad), rate_rad_s })
+        let on_grid = |samples: &[f64]| TimeCurve::resampled(samples, own, grid).into_owned();
+        let rate_rad_s = self.rate_rad_s.as_deref().map(on_grid);
+        let angle_rad = on_grid(&self.angle_rad);
+        Some(Self { grid: *grid, angle_rad, rate_rad_s, ..self.clone() })
     }
 
     /// Grid of the samples; its origin is the first sample.
@@ -221,8 +225,13 @@ impl HubReference {
         (jump_rad.abs() > JUMP * steps.fold(0.0, f64::max)).then_some(jump_rad)
     }
 
+    /// Jump of a prescribed hub's angle in rad at its first sample.
+    pub(super) fn first_jump_rad(&self) -> f64 {
+        self.angle_rad[0] - self.arrival()[0]
+    }
+
     /// Jumps of position and rate at the samples, for a joint that keeps each position until the next sample, or moves
-    /// along straight lines. A joint that does not repeat rests before its first and after its last sample.
+    /// along straight lines. A joint that does not repeat rests after its last sample.
     pub(super) fn jumps(&self, is_stairs: bool, cycle_turn_rad: Option<f64>) -> Vec<Jump> {
         let own = self.angle_rad();
         // From the last sample to the first one of the next cycle.
@@ -230,14 +239,24 @@ impl HubReference {
         let rises = own.windows(2).map(|pair| pair[1] - pair[0]).chain([around]);
         if is_stairs {
             let jumps = [around].into_iter().chain(rises.take(own.len() - 1));
-            return jumps.map(|rise| [rise, 0.0]).collect();
+            return self.begun(jumps.map(|rise| [rise, 0.0]).collect(), cycle_turn_rad);
         }
         let rates: Vec<f64> = rises.map(|rise| rise / self.grid().step_s).collect();
         let before = [rates[own.len() - 1]].into_iter().chain(rates.iter().copied());
-        rates.iter().zip(before).map(|(rate, before)| [0.0, rate - before]).collect()
+        let jumps = rates.iter().zip(before).map(|(rate, before)| [0.0, rate - before]);
+        self.begun(jumps.collect(), cycle_turn_rad)
     }
 
-    /// Rate in rad/s at the first sample: of a repeating cycle, else 0. A jump from rest comes later.
+    /// Jumps with the first one from the motion before it, unless they repeat.
+    fn begun(&self, mut jumps: Vec<Jump>, cycle_turn_rad: Option<f64>) -> Vec<Jump> {
+        if cycle_turn_rad.is_none() {
+            jumps[0][0] += self.first_jump_rad();
+            jumps[0][1] -= self.arrival()[1];
+        }
+        jumps
+    }
+
+    /// Rate in rad/s at the first sample of a repeating cycle, else before it. A jump comes later.
     pub(super) fn first_rate_rad_s(
         &self,
         interpolation: Interpolation,
@@ -249,27 +268,31 @@ impl HubReference {
             Interpolation::Linear if cycle_turn_rad.is_some() => {
                 (own[1] - own[0]) / self.grid().step_s
             }
-            Interpolation::Linear | Interpolation::Zero => 0.0,
+            Interpolation::Linear | Interpolation::Zero => self.arrival()[1],
         }
     }
 
-    /// Accelerations in rad/s² at the samples and between them, and the first rate in rad/s: 0 after rest, else the
-    /// rate of a repeating cycle with this turn.
+    /// Accelerations in rad/s² at the samples and between them, and the first rate in rad/s: the one before the first
+    /// sample, or the one of a repeating cycle with this turn.
     pub(super) fn accelerations(
         &self,
         cycle_turn_rad: Option<f64>,
     ) -> (Vec<f64>, Vec<[f64; 4]>, f64) {
         let (own, turn_rad) = (self.angle_rad(), cycle_turn_rad.unwrap_or(0.0));
         let around = if cycle_turn_rad.is_some() { own.len() } else { 0 };
-        let spline = QuinticSpline::from_rest(&wrapped(own, turn_rad, around));
-        let step_s = self.grid().step_s;
+        let (step_s, [_, arrival_rad_s]) = (self.grid().step_s, self.arrival());
+        // A steady turn has no acceleration.
+        let steady = |(k, angle_rad)| angle_rad - k as f64 * step_s * arrival_rad_s;
+        let bent: Vec<f64> =
+            wrapped(own, turn_rad, around).into_iter().enumerate().map(steady).collect();
+        let spline = QuinticSpline::from_rest(&bent);
         let per_s2 = step_s.powi(-2);
         let samples = spline.curvatures().skip(around).take(own.len());
         let pieces = spline.curvature_pieces().skip(around).take(own.len());
         (
             samples.map(|curvature| curvature * per_s2).collect(),
             pieces.map(|piece| piece.map(|c| c * per_s2)).collect(),
-            spline.slope(around) / step_s,
+            spline.slope(around) / step_s + arrival_rad_s,
         )
     }
 }

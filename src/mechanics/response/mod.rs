@@ -56,5 +56,5 @@ pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
 pub use simulation::{MovedJoint, move_arm, simulate};
 pub use state::{LinkState, State};
-pub use state_space::{Signal, StateSpace, StateSpaceScope};
+pub use state_space::{ModeChoice, Signal, StateSpace, StateSpaceScope};
 pub use tip::{PlayedTip, Ringing, TipCourse, simulate_once, simulate_tip};

@@ -31,8 +31,8 @@ pub enum Input<'a> {
     /// and after the last sample. A holding torque supports links with weight before the first sample, and their last
     /// torque stays. The torque of a joint turns its link counterclockwise and the link before the other way.
     Torques(&'a [Torque]),
-    /// The hub angle, or the angle of each joint, followed exactly. The joints are at rest before the first sample, and
-    /// turn on at their rates after the last one.
+    /// The hub angle, or the angle of each joint, followed exactly. The joints are at rest before the first sample, unless a
+    /// linear link [arrives](HubReference::arriving) there, and turn on at their rates after the last one.
     ///
     /// The angle between the samples is a quintic spline without rate and acceleration at the start; rates of the
     /// reference have no effect. With [`Interpolation::Zero`] the joint jumps from sample to sample, and with
@@ -45,6 +45,12 @@ impl Input<'_> {
     /// True for torques.
     pub fn is_torque(&self) -> bool {
         matches!(self, Self::Torques(_))
+    }
+
+    /// True for prescribed joints that move before their first samples.
+    pub(super) fn is_arriving(&self) -> bool {
+        let moves = |hub: &HubReference| hub.arrival()[1] != 0.0;
+        matches!(self, Self::Angles(hubs) if hubs.iter().any(moves))
     }
 
     /// Number of moved joints.
@@ -292,7 +298,7 @@ impl<'a> Play<'a> {
             Input::Torques(_) if self.is_started() => 0.0,
             Input::Torques(_) => self.initial_tip_m,
             Input::Angles(hubs) => {
-                (hubs[0].angle_rad()[0] - self.origin_rad(link).unwrap_or(0.0)) * link.rigid_tip()
+                (hubs[0].arrival()[0] - self.origin_rad(link).unwrap_or(0.0)) * link.rigid_tip()
             }
         }
     }
@@ -367,6 +373,7 @@ impl<'a> Play<'a> {
                 let (samples, pieces, _) = hub.accelerations(turn_rad);
                 return Ok(Driving {
                     repeats: turn_rad.is_some(),
+                    jumps: vec![[hub.first_jump_rad(), 0.0]],
                     ..Driving::new(samples, pieces)
                 });
             }
@@ -415,8 +422,13 @@ impl<'a> Play<'a> {
             return Ok((of_cycle(equations, driving, grid, ends_m)?, 0.0));
         }
         let Some(state) = self.state else {
-            let rest = vec![0.0; equations.coordinates.len()];
-            return Ok(([rest.clone(), rest], 0.0));
+            let mut rates = vec![0.0; equations.coordinates.len()];
+            let coordinates = rates.clone();
+            if let Input::Angles(hubs) = self.input {
+                // The coordinate of the undeformed link.
+                rates[0] = hubs[0].arrival()[1];
+            }
+            return Ok(([coordinates, rates], 0.0));
         };
         let origin_rad = self.origin_rad(link).unwrap_or(0.0);
         Ok(state.links[0].coordinates(equations, mesh, origin_rad))

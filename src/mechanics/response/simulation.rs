@@ -50,7 +50,8 @@ const NUMBERS_OF_LINK: usize = 32;
 /// [`SimulationError`].
 ///
 /// # Panics
-/// If a joint lacks an input, or if only some joints have feedback.
+/// If a joint lacks an input, if only some joints have feedback, or if prescribed joints of links that bend far arrive
+/// moving.
 pub fn simulate(
     arm: &Arm,
     plans: &[MeshPlan],
@@ -60,6 +61,7 @@ pub fn simulate(
     let (links, joints) = (arm.links(), arm.joints().count());
     assert!(play.input.joints() == joints, "one input for each joint");
     assert!([0, joints].contains(&play.feedback.len()), "feedback for all joints or none");
+    assert!(!(play.is_bent(arm) && play.input.is_arriving()), "links that bend far begin at rest");
     let meshes = links.iter().zip(plans).map(|(own, plan)| Mesh::new(&own.link, plan));
     let meshes: Vec<Mesh> = meshes.collect::<Result<_, _>>()?;
     let tolerance = play.tolerance.unwrap_or_else(|| MeshPlan::smallest_tolerance(plans));
@@ -107,7 +109,7 @@ pub(crate) fn simulate_on(
     play: &Play<'_>,
 ) -> Result<Played, SimulationError> {
     if play.is_large || link.has_weight() {
-        let tolerance = MeshPlan::DEFAULT_TOLERANCE;
+        let tolerance = play.tolerance.unwrap_or(MeshPlan::DEFAULT_TOLERANCE);
         return play_bent(&Arm::from(link.clone()), vec![mesh], play, (tolerance, &|_| {}));
     }
     play_modes(link, mesh, play, driven_rad_s(play)?)

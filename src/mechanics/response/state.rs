@@ -334,18 +334,20 @@ pub struct State {
 }
 
 impl State {
-    /// A linear link that turns undeformed, with displacement in m and velocity in m/s of its tip.
-    pub(crate) fn turning(link: &Link, time_s: f64, [tip_m, tip_m_s]: [f64; 2]) -> Self {
-        let length_m = link.length_m();
-        let x_m = vec![link.hub().radius_m, length_m];
-        let along = |tip: f64| x_m.iter().map(|x| tip * x / length_m).collect::<Vec<f64>>();
+    /// A linear link that moves undeformed, with these position and rate of its joint.
+    pub(crate) fn undeformed(link: &Link, time_s: f64, motion: [f64; 2]) -> Self {
+        let x_m = vec![link.hub().radius_m, link.length_m()];
+        let rigid = |part: usize, of: f64| -> Vec<f64> {
+            x_m.iter().map(|x| of * link.joint().rigid(*x)[part]).collect()
+        };
+        let [position, rate] = motion;
         let state = LinkState {
             time_s,
-            slope_rad: vec![tip_m / length_m; 2],
-            slope_rate_rad_s: vec![tip_m_s / length_m; 2],
-            displacement_m: Some(along(tip_m)),
-            velocity_m_s: Some(along(tip_m_s)),
-            x_m,
+            slope_rad: rigid(1, position),
+            slope_rate_rad_s: rigid(1, rate),
+            displacement_m: Some(rigid(0, position)),
+            velocity_m_s: Some(rigid(0, rate)),
+            x_m: x_m.clone(),
             carriage: None,
         };
         Self { links: vec![state], carriage: None }

@@ -9,6 +9,8 @@
 //! joints are exact. Hysteretic damping is a loss G q at each frequency, which no real matrix has: C has the viscous damping
 //! `G_ij/√(ω_i ω_j)` in its place, with the same ratio at each natural frequency.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
@@ -33,11 +35,44 @@ impl Signal {
     }
 }
 
+/// Modes of a state space.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ModeChoice {
+    /// This many modes beyond the motion of the rigid link, or beyond the swings of an arm, and these.
+    First(usize),
+    /// Numbers of modes as in tables of modes. Mode 0, the motion of a rigid link or the swing of one link, is always there.
+    Numbers(Vec<usize>),
+}
+
+impl Default for ModeChoice {
+    fn default() -> Self {
+        Self::First(0)
+    }
+}
+
+impl ModeChoice {
+    /// Number of modes beyond the first `rigid` ones, up to the last one of the choice.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::First(count) => *count,
+            Self::Numbers(numbers) => numbers.iter().copied().max().unwrap_or(0),
+        }
+    }
+
+    /// True for a mode of the choice, from its number and the numbers of the rigid ones.
+    pub(super) fn has(&self, number: usize, rigid: RangeInclusive<usize>) -> bool {
+        match self {
+            Self::First(count) => number <= rigid.end() + count,
+            Self::Numbers(numbers) => number == 0 || numbers.contains(&number),
+        }
+    }
+}
+
 /// Extent of a state space.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StateSpaceScope {
-    /// Number of modes beyond the motion of the rigid link, or beyond the swings of an arm.
-    pub modes: usize,
+    /// Its modes.
+    pub modes: ModeChoice,
     /// Places on each link in m from its joint, whose displacement is an output.
     pub stations_m: Vec<f64>,
     /// Whether D has the static response of the other modes.
@@ -67,6 +102,21 @@ pub struct StateSpace {
 }
 
 impl StateSpace {
+    /// Numbers of the modes, as in the names of the states.
+    pub fn numbers(&self) -> impl Iterator<Item = usize> {
+        let names = self.states[..self.states.len() / 2].iter();
+        names.filter_map(|own| own.name.strip_prefix("mode_")?.parse().ok())
+    }
+
+    /// M, K and C of the modal equations `M q̈ + C q̇ + K q = P u` for coordinates in kg^½ m: the unit matrix, 1/s² and 1/s. P
+    /// is the lower half of B.
+    pub fn second_order(&self) -> [DMatrix<f64>; 3] {
+        let count = self.a.nrows() / 2;
+        // No entry is −0.
+        let lower = |column| self.a.view((count, column), (count, count)).map(|own| 0.0 - own);
+        [DMatrix::identity(count, count), lower(0), lower(count)]
+    }
+
     /// `C (iω − A)⁻¹ B + D` at ω > 0, a row for each output. `None` on a pole of an undamped link.
     pub fn response(&self, omega_rad_s: f64) -> Option<DMatrix<Complex64>> {
         let complex = |real: &DMatrix<f64>| real.map(Complex64::from);
@@ -97,8 +147,8 @@ pub(super) struct Output {
 
 /// The first modes of a link or an arm.
 pub(super) struct Modes {
-    /// Number that the first of them has in tables of modes.
-    pub(super) first: usize,
+    /// Their numbers in tables of modes.
+    pub(super) numbers: Vec<usize>,
     pub(super) squares_per_s2: Vec<f64>,
     /// Viscous damping in 1/s, and loss of hysteretic damping in 1/s².
     pub(super) viscous: DMatrix<f64>,
@@ -150,7 +200,7 @@ impl Modes {
                 }
             }
         }
-        let mode = |k: usize| format!("mode_{}", self.first + k);
+        let mode = |k: usize| format!("mode_{}", self.numbers[k]);
         let states = (0..count).map(|k| Signal::new(mode(k), "kg^0.5 m"));
         let rates = (0..count).map(|k| Signal::new(mode(k) + "_rate", "kg^0.5 m/s"));
         StateSpace {

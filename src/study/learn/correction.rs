@@ -6,7 +6,7 @@ use super::recorded::{Recorded, Wanted, smooth};
 use crate::inverse::Solution;
 use crate::motion::{ArmPath, Motion, MotionColumns, PathColumns, Recording, TipMotion};
 use crate::numeric::{
-    CubicSpline, FourierPair, SplineEnds, TimeGrid, extremes, fast_length, largest, magnitude,
+    FourierPair, SplineEnds, TimeCurve, TimeGrid, extremes, fast_length, largest, magnitude,
 };
 use crate::response::{HubReference, Torque};
 use crate::robust::{Histories, Hold};
@@ -193,14 +193,9 @@ impl Table {
     }
 
     /// A column at a time. Outside the table the first and the last value hold, or the column is 0.
-    fn at<'a>(&'a self, column: &'a [f64], holds: bool) -> impl Fn(f64) -> f64 + 'a {
-        let spline = CubicSpline::uniform(column, SplineEnds::NotAKnot);
-        let last = (self.grid.len - 1) as f64;
-        move |time_s| {
-            let steps = (time_s - self.grid.time_s(0)) / self.grid.step_s;
-            let is_inside = (-1e-6..=last + 1e-6).contains(&steps);
-            if is_inside || holds { spline.value(steps.clamp(0.0, last)) } else { 0.0 }
-        }
+    fn at(&self, column: &[f64], holds: bool) -> impl Fn(f64) -> f64 + use<> {
+        let curve = TimeCurve::new(self.grid, column, SplineEnds::NotAKnot);
+        move |time_s| if holds || curve.covers(time_s) { curve.value(time_s) } else { 0.0 }
     }
 
     /// This table with the change from one table to another added, on as many more rows as it needs. `holds`: what is played

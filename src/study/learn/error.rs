@@ -128,7 +128,7 @@ impl LearnError {
             }
             Self::NoRest { .. } => "record until the tip rests, or add friction or feedback",
             Self::OtherMotion { .. } | Self::OtherTravel { .. } => {
-                "use the recording of this motion under the applied table, and its unit: --unit"
+                "use the recording of this motion under the applied table, and its unit: --unit measured:UNIT"
             }
             Self::Shift { shift_s, .. } => {
                 let shift = significant(*shift_s, 3);

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::error::{LEAST_TRAVEL, LearnError, MOST_TRAVEL};
 use crate::inverse::Solution;
 use crate::motion::Ends;
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, extremes};
+use crate::numeric::{CubicSpline, SplineEnds, TimeCurve, TimeGrid, extremes};
 use crate::result::{ChannelRecording, SimulatedChannel};
 
 /// Fewest rows at rest before and after the motion.
@@ -53,28 +53,26 @@ pub struct Recorded {
 /// The wanted tip at any time, then what the motion of an arm prescribes beside it: the directions of the links from the
 /// third on in rad, and the place of the carriage in m.
 pub(super) struct Wanted {
-    splines: Vec<CubicSpline>,
-    grid: TimeGrid,
+    curves: Vec<TimeCurve>,
 }
 
 impl Wanted {
     pub(super) fn of(solution: &Solution) -> Self {
-        let spline = |at_m: &Vec<f64>| CubicSpline::uniform(at_m, SplineEnds::Clamped);
+        let curve = |at_m: &Vec<f64>| TimeCurve::new(solution.grid, at_m, SplineEnds::Clamped);
         let tip = solution.tip.iter().map(|axis| &axis.displacement_m);
         let outer = solution.shapes().skip(2).map(|shape| &shape.chord[0]);
         let carriage = solution.joints.iter().skip(solution.links.len());
         let all = tip.chain(outer).chain(carriage.map(|own| &own.angle_rad));
-        Self { splines: all.map(spline).collect(), grid: solution.grid }
+        Self { curves: all.map(curve).collect() }
     }
 
     /// Number of the quantities.
     pub(super) fn len(&self) -> usize {
-        self.splines.len()
+        self.curves.len()
     }
 
     pub(super) fn at_m(&self, axis: usize, time_s: f64) -> f64 {
-        let steps = (time_s - self.grid.time_s(0)) / self.grid.step_s;
-        self.splines[axis].value(steps.clamp(0.0, (self.grid.len - 1) as f64))
+        self.curves[axis].value(time_s)
     }
 }
 

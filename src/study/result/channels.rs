@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::link::MOST_LINKS;
-use crate::numeric::{CubicSpline, SplineEnds, rounded};
+use crate::numeric::{SplineEnds, TimeCurve, rounded};
 use crate::response::Played;
 
 /// Why a recording is not compared with a simulation.
@@ -174,12 +174,7 @@ impl Comparison {
             let joints = simulation.joints.len();
             let absent = ComparisonError::Absent { channel: *channel, joints };
             let samples = channel.of(simulation).ok_or(absent)?;
-            let simulated = SimulatedHistory {
-                spline: CubicSpline::uniform(&samples, SplineEnds::NotAKnot),
-                start_s,
-                step_s: grid.step_s,
-                last: (grid.len - 1) as f64,
-            };
+            let simulated = TimeCurve::new(*grid, &samples, SplineEnds::NotAKnot);
             let pair = Pair { simulated, time_s, recorded: &recorded[first..behind] };
             Ok(pair.compared(*channel, longest_delay_s))
         };
@@ -212,28 +207,9 @@ impl Comparison {
     }
 }
 
-/// A channel of the simulation over time.
-struct SimulatedHistory {
-    spline: CubicSpline,
-    start_s: f64,
-    step_s: f64,
-    last: f64,
-}
-
-impl SimulatedHistory {
-    /// Value and rate at a time; beyond the ends, the value and rate of the end.
-    fn at(&self, time_s: f64) -> [f64; 2] {
-        let x = (time_s - self.start_s) / self.step_s;
-        let within = x.clamp(0.0, self.last);
-        let is_within = within.to_bits() == x.to_bits();
-        let rate = if is_within { self.spline.slope(x) / self.step_s } else { 0.0 };
-        [self.spline.value(within), rate]
-    }
-}
-
 /// A recorded channel and the simulated one.
 struct Pair<'a> {
-    simulated: SimulatedHistory,
+    simulated: TimeCurve,
     time_s: &'a [f64],
     recorded: &'a [f64],
 }
@@ -247,7 +223,7 @@ struct Tried {
 
 impl Pair<'_> {
     fn compared(&self, channel: SimulatedChannel, longest_s: f64) -> ChannelComparison {
-        let simulated: Vec<f64> = self.time_s.iter().map(|t| self.simulated.at(*t)[0]).collect();
+        let simulated: Vec<f64> = self.time_s.iter().map(|t| self.simulated.value(*t)).collect();
         let difference = self.recorded.iter().zip(&simulated).map(|(a, b)| a - b);
         let rms = root_mean_square(difference);
         let recorded_deviation = deviation(self.recorded);
@@ -290,7 +266,7 @@ impl Pair<'_> {
                 Some(tried) => best = tried,
                 None => break,
             }
-            if best.change_s.abs() < SETTLED * self.simulated.step_s {
+            if best.change_s.abs() < SETTLED * self.simulated.grid().step_s {
                 break;
             }
         }
@@ -302,11 +278,12 @@ impl Pair<'_> {
     ///
     /// Leaves out the last samples for every delay, since the delayed simulation may have ended there.
     fn tried(&self, delay_s: f64, recorded_deviation: f64, longest_s: f64) -> Option<Tried> {
-        let end_s = self.simulated.start_s + self.simulated.last * self.simulated.step_s;
+        let end_s = self.simulated.grid().end_s();
         let count = self.time_s.partition_point(|t| *t + longest_s <= end_s).max(FEWEST / 2);
         let rows = || {
             let pairs = self.time_s[..count].iter().zip(self.recorded);
-            pairs.map(|(t, y)| (self.simulated.at(t - delay_s), *y))
+            let at = |t: f64| [self.simulated.value(t), self.simulated.rate(t)];
+            pairs.map(move |(t, y)| (at(t - delay_s), *y))
         };
         let mut mean = [0.0; 3];
         for ([v, rate], y) in rows() {

@@ -166,7 +166,7 @@ impl UnitChoice {
     /// # Errors
     /// The part that is wrong, in words.
     pub fn of_counts(text: &str) -> Result<Self, String> {
-        const EXAMPLE: &str = "position=4096/360 or 'position=-4096/360 deg+2048'";
+        const EXAMPLE: &str = "'position=4096/360 deg' or 'position=-4096/360 deg+2048'";
         let (set_point, joint, value) = pair(text, EXAMPLE)?;
         let wrong = || format!("must read like {EXAMPLE}");
         let (counts, rest) = split_number(value).ok_or_else(wrong)?;
@@ -187,6 +187,11 @@ impl UnitChoice {
         }
         let scale = Scale::Counts { counts, range, unit, zero };
         Ok(Self { set_point, joint, text: text.to_owned(), scale })
+    }
+
+    /// True for counts over a range without a unit.
+    pub(super) fn has_bare_range(&self) -> bool {
+        matches!(self.scale, Scale::Counts { unit: None, .. })
     }
 
     /// True if the choice is for a quantity of the joint with this number from 0, of this kind.

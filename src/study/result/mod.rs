@@ -31,8 +31,8 @@ pub use peak::Peak;
 pub(crate) use quantities::by_name;
 pub use quantities::{JointQuantity, QUANTITIES, Shown, Unit};
 pub use remark::{NO_DIRECTION, Remark};
+pub(crate) use set_points::for_hold;
 pub use set_points::{Held, SetPointColumn, SetPointError, SetPoints, Side};
-pub(crate) use set_points::{for_hold, resampled};
 pub use stored::{
     LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArc, StoredCarriage, StoredInput,
     StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredRun, StoredSweep, line_difference,

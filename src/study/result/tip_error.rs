@@ -109,6 +109,18 @@ pub enum TargetError {
         /// Last time of the simulation in s.
         simulated_s: f64,
     },
+    /// The target ends before the simulation begins.
+    #[error(
+        "the target ends at {} s, but must last beyond the beginning of the simulation at {} s",
+        rounded(*end_s, 12),
+        rounded(*simulated_s, 12)
+    )]
+    EndsEarly {
+        /// Last time of the target in s.
+        end_s: f64,
+        /// First time of the simulation in s.
+        simulated_s: f64,
+    },
     /// The target does not move.
     #[error("the target stands still in all samples, but must move")]
     NoMotion,
@@ -119,6 +131,7 @@ impl TargetError {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::EndsLate { .. } => Some("simulate longer, or cut the target"),
+            Self::EndsEarly { .. } => Some("the times of both must count from the same instant"),
             Self::NoMotion => None,
         }
     }
@@ -215,6 +228,10 @@ impl Sampling {
         if sampling.at(target.len - 1) > (own.len - 1) as f64 + 1e-6 {
             let (end_s, simulated_s) = (target.end_s(), own.time_s(own.len - 1));
             return Err(TargetError::EndsLate { end_s, simulated_s });
+        }
+        if sampling.at(target.len - 1) <= 0.0 {
+            let (end_s, simulated_s) = (target.end_s(), own.time_s(0));
+            return Err(TargetError::EndsEarly { end_s, simulated_s });
         }
         Ok(sampling)
     }

@@ -10,7 +10,7 @@ use crate::beam::MeshPlan;
 use crate::inverse::{JointMotion, Solution};
 use crate::link::{Arm, ParameterError};
 use crate::motion::{Ends, Shaper};
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, extremes, largest};
+use crate::numeric::{CubicSpline, SplineEnds, TimeCurve, TimeGrid, extremes, largest};
 use crate::response::{
     Feedback, HistoryError, HubReference, Input, Play, PlayedTip, Ringing, SimulationError, Start,
     TipCourse, Torque, simulate, simulate_once, simulate_tip,
@@ -334,14 +334,10 @@ impl Command {
 
     /// An error of a play along each axis at any time in s: that of the first sample before it, that of the last after it.
     pub fn over_time(&self, error_m: &[Vec<f64>]) -> impl Fn(usize, f64) -> f64 + use<> {
-        let grid = self.grid;
-        let spline = |own: &Vec<f64>| CubicSpline::uniform(own, SplineEnds::NotAKnot);
-        let splines: Vec<CubicSpline> = error_m.iter().map(spline).collect();
-        let last = (error_m[0].len() - 1) as f64;
-        move |axis, time_s| {
-            let steps = (time_s - grid.time_s(0)) / grid.step_s;
-            splines[axis].value(steps.clamp(0.0, last))
-        }
+        let grid = TimeGrid { len: error_m[0].len(), ..self.grid };
+        let curve = |own: &Vec<f64>| TimeCurve::new(grid, own, SplineEnds::NotAKnot);
+        let curves: Vec<TimeCurve> = error_m.iter().map(curve).collect();
+        move |axis, time_s| curves[axis].value(time_s)
     }
 
     /// Time in s of a sample, also after the last one of the command.

@@ -72,22 +72,19 @@ pub(super) fn played(answer: &Answer) -> Result<PlayedChecks, VerificationError>
     Ok(PlayedChecks { tip, energy })
 }
 
-/// Plays a torque on a link as it starts to follow its motion.
-pub(super) fn simulated(
-    (solution, motion): (&Solution, &TipMotion),
-    torque: &Torque,
-    interpolation: Interpolation,
-    memory_bytes: Option<usize>,
-) -> Result<Played, VerificationError> {
-    let play = under_torque((solution, motion), torque, interpolation, memory_bytes);
-    let initial = State::turning(
-        solution.links[0].link(),
-        solution.grid.time_s(0),
-        [solution.tip[0].displacement_m[0], solution.tip[0].velocity_m_s[0]],
-    );
-    let state = (motion.ends() == Ends::Moving).then_some(&initial);
-    let link = &solution.links[0];
-    Ok(simulate_on(link.link(), link.mesh().clone(), &Play { state, ..play })?)
+/// Plays a link of a solution as it starts to follow its motion.
+pub(super) fn simulated(solution: &Solution, play: &Play<'_>) -> Result<Played, VerificationError> {
+    let (link, initial) = (&solution.links[0], initial(solution));
+    let play = Play { state: initial.as_ref(), ..*play };
+    Ok(simulate_on(link.link(), link.mesh().clone(), &play)?)
+}
+
+/// The undeformed link at the first row, unless it rests there.
+pub(super) fn initial(solution: &Solution) -> Option<State> {
+    let (link, tip) = (solution.links[0].link(), &solution.tip[0]);
+    let motion = [tip.displacement_m[0], tip.velocity_m_s[0]].map(|own| own / link.rigid_tip());
+    let state = || State::undeformed(link, solution.grid.time_s(0), motion);
+    (solution.motion.ends() == Ends::Moving).then(state)
 }
 
 /// A play of a torque on a link at rest as it starts to follow its motion.
@@ -131,9 +128,9 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unpl
         None if solution.second_order.is_some() => return moved(answer, Kind::OF_HUB),
         _ => {}
     }
-    let (followed, memory_bytes) = ((solution, motion), answer.memory_bytes);
     let torque = torque_on(&solution.grid, written_n_m)?;
-    let simulation = simulated(followed, &torque, Interpolation::Cubic, memory_bytes)?;
+    let play = under_torque((solution, motion), &torque, Interpolation::Cubic, answer.memory_bytes);
+    let simulation = simulated(solution, &play)?;
     let Some(modes) = simulation.modes() else { return moved(answer, Kind::OF_HUB) };
     let straight_m = modes.straight_tip_m(written_n_m);
     let between_m = largest_difference(&simulation.tip[0].displacement_m, &straight_m);

@@ -3,17 +3,18 @@
 use std::borrow::Cow;
 
 use super::check::VerificationError;
-use super::playback::{simulated, torque_on, turn_of_cycle_rad, under_torque, wanted_tip};
+use super::playback::{initial, simulated, torque_on, turn_of_cycle_rad, under_torque, wanted_tip};
 use crate::beam::MeshPlan;
 use crate::inverse::Solution;
-use crate::link::{Arm, Drive, Link};
-use crate::motion::{Ends, Motion};
-use crate::numeric::{TimeGrid, rounded};
+use crate::link::{Arm, Drive, Link, LinkParts};
+use crate::motion::{Ends, Motion, TipMotionHistories};
+use crate::numeric::{TimeCurve, TimeGrid, largest, rounded};
 use crate::response::{
     ArmPose, Feedback, HubReference, Input, Interpolation, Play, Played, SimulationError, Start,
     Torque, simulate, simulate_on,
 };
-use crate::result::{Held, SetPoint, SetPoints, Side, TipError, for_hold, resampled};
+use crate::result::{Held, SetPoint, SetPoints, Side, TipError, for_hold};
+use crate::text::significant;
 
 /// Share of the motion within which an arm that plays a table settles: a hundredth of the error that causes a warning.
 const SETTLED: f64 = 1e-5;
@@ -83,22 +84,18 @@ pub fn table_error(
     let is_held =
         held == Held::Effort && (falls(solution) || is_cycle && solution.arm.alone().is_none());
     let gains = if is_held { gains(&solution.arm) } else { Vec::new() };
-    let player = Player { solution, plans, side: table.side(), gains: &gains, memory_bytes };
+    let (side, is_linear) = (table.side(), false);
+    let player = Player { solution, plans, side, gains: &gains, is_linear, memory_bytes };
     // The tip alone is kept: the second play needs the memory of the first.
-    let tip = |table: &SetPoints, held: Held| {
-        let played = player.played(&table.played_grid(), table.played(held), held);
-        played.map(|played| (played.change()[0], played.tip))
-    };
-    let (of_table_m, of_table) = tip(table, held)?;
+    let (of_table_m, of_table) = player.tip_m(table, held, &grid)?;
     let (whole, as_solved) = solved(solution, table.side(), held)?;
-    let (of_solved_m, of_solved) = tip(&whole, as_solved)?;
+    let (of_solved_m, of_solved) = player.tip_m(&whole, as_solved, &grid)?;
     let change_m = of_table_m + of_solved_m;
     let tips = solved_and_wanted_m(solution);
-    let on_grid = |values: &[f64]| resampled(values, &solution.grid, &grid).into_owned();
+    let on_grid = |values: &[f64]| TimeCurve::resampled(values, solution.grid, &grid).into_owned();
     let apart = of_table.iter().zip(&of_solved).zip(&tips).map(|((table, played), tips)| {
-        let (played, [tip, wanted]) = (on_grid(&played.displacement_m), tips.each_ref());
-        let (tip, wanted) = (on_grid(tip), on_grid(wanted));
-        let at = |k: usize| table.displacement_m[k] - played[k] + tip[k] - wanted[k];
+        let [tip, wanted] = tips.each_ref().map(|own| on_grid(own));
+        let at = |k: usize| table[k] - played[k] + tip[k] - wanted[k];
         (0..grid.len).map(at).collect::<Vec<f64>>()
     });
     let apart: Vec<Vec<f64>> = apart.collect();
@@ -129,10 +126,64 @@ struct Player<'a> {
     side: Side,
     /// Gains of a feedback around the joints under efforts; empty without.
     gains: &'a [[f64; 2]],
+    /// Whether a link plays without its weight, at small angles.
+    is_linear: bool,
     memory_bytes: Option<usize>,
 }
 
 impl Player<'_> {
+    /// Each coordinate of the tip on a grid in m while the drives hold one quantity of a table, and how far the last refinement
+    /// moved it.
+    ///
+    /// Steps excite all shapes of a bent link, which its integrator resolves slowly. It plays the smooth curve that the drive
+    /// follows up to the Nyquist frequency. The images of the steps above it move the linear link, whose modes are integrated
+    /// exactly. So high above the first mode the weight hardly changes them.
+    fn tip_m(
+        &self,
+        table: &SetPoints,
+        held: Held,
+        grid: &TimeGrid,
+    ) -> Result<(f64, Vec<Vec<f64>>), Unknown> {
+        if held == Held::Velocity
+            && let Some(drift) = table.drift(self.solution)
+        {
+            let drift = significant(drift, 3);
+            let slides = self.side == Side::Joint && self.solution.arm.joint().slides();
+            let unit = if slides { "m" } else { "rad" };
+            return Err(Unknown::Reason(format!(
+                "the velocities of a cycle add up to {drift} {unit} more than the motion, and the position drifts by this in \
+                 each cycle"
+            )));
+        }
+        let ends = self.solution.motion.ends();
+        let is_stiff = |own: &Drive| own.joint_stiffness_n_m_rad.is_infinite();
+        let is_split = !self.is_linear
+            && held != Held::Effort
+            && ends != Ends::Periodic
+            && table.interpolation() != Interpolation::Cubic
+            && self.solution.second_order.is_some()
+            && self.solution.arm.alone().is_some()
+            && self.drives().iter().all(is_stiff);
+        if is_split {
+            let (smooth, linear) =
+                (table.clone().smoothed(ends), Self { is_linear: true, ..*self });
+            let (change_m, mut tip_m) = self.tip_m(&smooth, held, grid)?;
+            let [stepped, curved] = [table, &smooth].map(|own| linear.tip_m(own, held, grid));
+            let ((_, stepped), (_, curved)) = (stepped?, curved?);
+            let images = stepped[0].iter().zip(&curved[0]).map(|(step, curve)| step - curve);
+            let images: Vec<f64> = images.collect();
+            tip_m[0].iter_mut().zip(&images).for_each(|(own, image)| *own += image);
+            // How much the weight changes the images is not measured: at most they are all wrong.
+            return Ok((change_m + largest(&images), tip_m));
+        }
+        let own = table.played_grid();
+        let played = self.played(&own, table.played(held), held)?;
+        let on_grid = |tip: &TipMotionHistories| {
+            TimeCurve::resampled(&tip.displacement_m, own, grid).into_owned()
+        };
+        Ok((played.change()[0], played.tip.iter().map(on_grid).collect()))
+    }
+
     /// The motion of link or arm while its drives hold `values`, one list for each joint.
     fn played(
         &self,
@@ -140,10 +191,6 @@ impl Player<'_> {
         (mut values, interpolation): (Vec<Vec<f64>>, Interpolation),
         held: Held,
     ) -> Result<Played, Unknown> {
-        let starts_moving = self.solution.motion.ends() == Ends::Moving;
-        if starts_moving && (held != Held::Effort || self.side == Side::Motor) {
-            return Err(Unknown::Reason("the tip moves at the first row".to_owned()));
-        }
         if held == Held::Effort {
             return self.under_efforts(grid, &values, interpolation);
         }
@@ -217,14 +264,14 @@ impl Player<'_> {
             .map(|(own, drive)| Ok(torque_on(grid, own)?.scaled(drive.gear_ratio)));
         let torques = torques.collect::<Result<Vec<Torque>, VerificationError>>()?;
         match &solution.motion {
-            Motion::Tip(motion) if !of_motors => {
-                let followed = (solution, motion);
-                Ok(simulated(followed, &torques[0], interpolation, memory_bytes)?)
-            }
             Motion::Tip(motion) => {
                 let play =
                     under_torque((solution, motion), &torques[0], interpolation, memory_bytes);
-                let play = Play { is_under_voltage: true, ..play };
+                if !of_motors {
+                    return Ok(simulated(solution, &play)?);
+                }
+                let initial = initial(solution);
+                let play = Play { is_under_voltage: true, state: initial.as_ref(), ..play };
                 Ok(simulate(&arm, self.plans, &play, &|_| {})?)
             }
             Motion::Path(_) => {
@@ -253,16 +300,27 @@ impl Player<'_> {
             let play = Play { interpolation, tolerance: Some(SETTLED_MOVED), ..play };
             return Ok(simulate(&solution.arm, self.plans, &play, &|_| {})?);
         };
-        let link = &solution.links[0];
+        let (own, hub) = (&solution.links[0], &solution.joints[0]);
+        let link = if self.is_linear {
+            let parts = LinkParts { gravity: None, ..own.link().clone().into() };
+            &Link::new(parts).map_err(|error| Unknown::Reason(error.to_string()))?
+        } else {
+            own.link()
+        };
+        let reference = match motion.ends() {
+            Ends::Moving => references[0].clone().arriving(hub.angle_rad[0], hub.rate_rad_s[0]),
+            _ => references[0].clone(),
+        };
         let play = Play {
             interpolation,
+            tolerance: Some(SETTLED_MOVED),
             memory_bytes: self.memory_bytes,
-            is_large: solution.second_order.is_some(),
-            cycle_turn_rad: turn_of_cycle_rad(link.link(), motion),
+            is_large: solution.second_order.is_some() && !self.is_linear,
+            cycle_turn_rad: turn_of_cycle_rad(link, motion),
             start_angle_rad: wanted_tip(solution, motion).start_angle_rad(),
-            ..Play::turning(&references[0])
+            ..Play::turning(&reference)
         };
-        Ok(simulate_on(link.link(), link.mesh().clone(), &play)?)
+        Ok(simulate_on(link, own.mesh().clone(), &play)?)
     }
 
     /// Play with the motors' ends of elastic transmissions moved as prescribed: the springs act like a feedback.
@@ -283,9 +341,8 @@ impl Player<'_> {
         if let Motion::Tip(motion) = &solution.motion {
             let play =
                 under_torque((solution, motion), &torques[0], interpolation, self.memory_bytes);
-            let link = &solution.links[0];
-            let play = Play { feedback, ..play };
-            return Ok(simulate_on(link.link(), link.mesh().clone(), &play)?);
+            let tolerance = Some(SETTLED_MOVED);
+            return Ok(simulated(solution, &Play { feedback, tolerance, ..play })?);
         }
         let start_rad: Vec<f64> = solution.joints.iter().map(|own| own.angle_rad[0]).collect();
         let play = Play {
@@ -333,9 +390,10 @@ fn feedback(
     grid: &TimeGrid,
     interpolation: Interpolation,
 ) -> Result<Vec<Feedback>, VerificationError> {
-    let time_s = times_s(grid);
-    let reference =
-        |samples: &[f64]| for_hold(&resampled(samples, &solution.grid, grid), interpolation, false);
+    let (time_s, ends) = (times_s(grid), solution.motion.ends());
+    let reference = |samples: &[f64]| {
+        for_hold(&TimeCurve::resampled(samples, solution.grid, grid), interpolation, ends)
+    };
     let joints = gains.iter().zip(&solution.joints).map(|([kp, kd], joint)| {
         let [angle, rate] = [&joint.angle_rad, &joint.rate_rad_s].map(|own| reference(own));
         let reference = HubReference::new(&time_s, angle, Some(rate))?;
