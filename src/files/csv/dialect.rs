@@ -64,7 +64,8 @@ impl Dialect {
     /// The standard dialect after some lines.
     fn after(text: &str, skip: usize) -> Self {
         let mut dialect = Self::default();
-        for _ in 0..skip {
+        // A text has no more lines.
+        for _ in 0..skip.min(text.len() + 1) {
             dialect.pass_line(text);
         }
         dialect

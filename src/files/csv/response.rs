@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
-use super::columns::{Header, WAYS};
+use super::columns::Header;
 use super::format::{Reading, TableFormat};
 use super::heading::{FREQUENCY, GAIN, IMAGINARY, PHASE, Quantity, REAL, Spelling, Vocabulary};
 use super::input::{Place, TableError, quoted};
@@ -232,12 +232,8 @@ fn gains(table: &Table, found: &Found, place: Place) -> Result<Vec<f64>, TableEr
 fn named(header: Header, quantity: Quantity) -> Result<Option<usize>, TableError> {
     let lower: Vec<String> = header.fields.iter().map(|field| field.to_lowercase()).collect();
     let lower: Vec<&str> = lower.iter().map(String::as_str).collect();
-    for ways in WAYS {
-        if let Some((index, _)) = RESPONSE.column(&lower, quantity, ways, header.place)? {
-            return Ok(Some(index));
-        }
-    }
-    Ok(None)
+    let found = RESPONSE.columns((&lower, header.place), |own, _, _| own == quantity)?;
+    Ok(found.first().map(|(_, index, _)| *index))
 }
 
 /// The column of a quantity, by the user's choice or its name, and the factor of its unit.

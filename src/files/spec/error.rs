@@ -192,8 +192,13 @@ impl de::Error for Misfit {
             "a sequence" => Self::custom("must be a list"),
             "f64" => Self::custom("must be a number"),
             "i64" => Self::custom(format!("must be {}", Count::WORDS)),
+            "usize" => Self::custom("must be a whole number from 0"),
             expected => Self::custom(format!("must be {expected}")),
         }
+    }
+
+    fn invalid_value(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Self::invalid_type(found, expected)
     }
 
     fn invalid_length(_: usize, expected: &dyn de::Expected) -> Self {
@@ -213,6 +218,20 @@ impl de::Error for Misfit {
         Self::new(Reason::Missing { key })
     }
 }
+
+/// Keys that every segment has.
+const OF_SEGMENTS: [&str; 10] = [
+    "length",
+    "EI",
+    "E",
+    "I",
+    "mass_per_length",
+    "density",
+    "area",
+    "section",
+    "shear_stiffness",
+    "poisson_ratio",
+];
 
 impl From<Misfit> for Fault {
     fn from(misfit: Misfit) -> Self {
@@ -237,7 +256,14 @@ impl From<Misfit> for Fault {
                 let place = if path.is_empty() { String::new() } else { format!(" in {path}") };
                 let of_carriage = (path == "hub" && key == "mass")
                     .then(|| "a hub that slides is a [carriage], which has a mass".to_owned());
+                let of_arm = if known.contains(&"links") { "links.*." } else { "" };
+                let of_segments = (path.is_empty() && OF_SEGMENTS.contains(&&*key)).then(|| {
+                    format!(
+                        "{key} is a key of segments: {of_arm}segments.*.{key} changes all of them"
+                    )
+                });
                 let hint = of_carriage
+                    .or(of_segments)
                     .or_else(|| did_you_mean(&key, known.iter().copied()))
                     .unwrap_or_else(|| format!("known here: {}", listed(&known, "and")));
                 Self::new(inner(&key), format!("unknown key `{}`{place}", excerpt(&key)))
