@@ -299,6 +299,15 @@ mod tests {
             assert_eq!(time(text).since(&local), Some(0.0), "{text}");
         }
         assert_eq!(local.since(&exact), None, "one has no zone");
+        let of_count = |text: &str, count, unit_s| {
+            ClockTime::of_count(text.into(), count, CountUnit::of_seconds(unit_s).unwrap())
+        };
+        let milliseconds = of_count("ms", (1_796_059_445_125, 0.0), 1e-3);
+        assert_eq!(milliseconds.since(&exact), Some(0.0));
+        let [one, other] = [0.25, 0.5].map(|part| of_count("d", (46_356, part), 86_400.0));
+        assert_eq!(other.since(&one), Some(21_600.0));
+        assert_eq!(one.since(&exact), None, "programs count days from other dates");
+        assert_eq!(CountUnit::of_seconds(60.0), None);
         for (text, whole_s) in [
             ("1970-01-01T00:00:00Z", 0),
             ("2000-02-29T12:00:00Z", 951_825_600),
