@@ -208,7 +208,7 @@ impl Quantity {
     }
 
     /// True if numbers of this quantity may have the unit. Only angles take rad and deg, which are pure numbers as strains
-    /// are. A voltage, here a pure number too, takes no unit of these.
+    /// are. A voltage, which counts as a pure number here, takes no unit.
     pub(super) fn takes(self, unit: &UnitName) -> bool {
         let is_angle = |text: &str| text.contains("rad") || text.contains("deg") || text == "°";
         let of_angle = is_angle(self.units[0]) == is_angle(&unit.text) && self != VOLTAGE;
@@ -276,8 +276,8 @@ impl Vocabulary {
         })
     }
 
-    /// The columns that name quantities, of each quantity in the best spelling. `is_sought` says of a quantity and spellings,
-    /// after the columns found in better ones, whether they count.
+    /// The columns that name quantities, each quantity in its best spelling. `is_sought` decides whether a quantity counts
+    /// in some spellings, from the columns found in better ones.
     ///
     /// # Errors
     /// [`TableError`] if two columns name a quantity alike.
@@ -463,9 +463,11 @@ impl Heading {
         self.has_unit || self.factor.is_some()
     }
 
-    /// The instant of a count of s, ms, us, ns or days whose start is far: as a number a time would lose digits. Counts of days
-    /// are those of spreadsheets. A time without a unit of the first row, which takes a note, has the unit by which it is 28
-    /// to 133 years after 1970, if that is ms, us or ns: as seconds it would be some 30000 years or more.
+    /// The instant of a count of s, ms, us, ns or days that began long ago, as loggers and spreadsheets write it: in one
+    /// number a time would lose digits.
+    ///
+    /// In the first row, which has `notes`, a time without a unit is in ms, us or ns if this makes it 28 to 133 years. As
+    /// seconds it would be 30000 years or more.
     pub(super) fn instant(
         &mut self,
         field: &str,

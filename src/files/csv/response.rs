@@ -85,10 +85,8 @@ pub fn read_frequency_response(
     };
     // SI as in the transfers; decibels are 20 times its decimal logarithm.
     let si = |unit: &str| match unit {
-        "" | "rad/(n m)" | "rad/n/m" | "1/(n m s)" | "1/(kg m)" | "1" | "1/n" | "1/(n m)" => {
-            Some(1.0)
-        }
-        "rad/v" | "rad/(s v)" | "rad/s/v" | "m/v" | "m/(s^2 v)" | "m/s^2/v" | "1/v" => Some(1.0),
+        "" | "rad/(n m)" | "rad/n/m" | "1/(n m s)" | "1/(kg m)" | "1" | "1/n" | "1/(n m)"
+        | "rad/v" | "rad/(s v)" | "rad/s/v" | "m/v" | "m/(s^2 v)" | "m/s^2/v" | "1/v" => Some(1.0),
         _ => None,
     };
     let decibels = |unit: &str| if unit == "db" { Some(DECIBELS) } else { si(unit) };
@@ -197,11 +195,8 @@ impl ResponseTable {
             let first = rows().find(|(_, (hertz, _))| *hertz < 0.0).map_or(0, |(row, _)| row);
             return Err(refuse(first, "must be above 0, or have a row at +f, too"));
         }
-        let keep: Vec<bool> = self.frequencies_hz.iter().map(|hertz| *hertz > 0.0).collect();
-        let mut kept = keep.iter();
-        self.frequencies_hz.retain(|_| kept.next() == Some(&true));
-        let mut kept = keep.iter();
-        self.values.retain(|_| kept.next() == Some(&true));
+        let pairs = self.frequencies_hz.iter().copied().zip(self.values.iter().copied());
+        (self.frequencies_hz, self.values) = pairs.filter(|(hertz, _)| *hertz > 0.0).unzip();
         Ok((below > 0).then(|| {
             format!("without its {below} rows below 0 Hz, {held} of them conjugates of rows above")
         }))

@@ -6,7 +6,7 @@ use super::dialect::Dialect;
 use super::format::{Delimiter, Reading, TableFormat};
 use super::heading::{
     ACCELERATION, ANGLE, ANGLES, CARRIAGE, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME,
-    VELOCITY,
+    VELOCITY, find,
 };
 use super::input::{Place, TableError, quoted};
 use super::motion_begins::MotionBegins;
@@ -266,8 +266,7 @@ impl Samples {
 
     /// Unit of a quantity's column in SI; 1 without such a column.
     pub(super) fn unit(&self, quantity: Quantity) -> f64 {
-        let heading = self.headings.iter().find(|heading| heading.quantity == quantity);
-        heading.map_or(1.0, |heading| heading.to_si(1.0))
+        find(&self.headings, quantity).map_or(1.0, |heading| heading.to_si(1.0))
     }
 
     /// Takes all samples for a reader that needs uniform times: the times, then the column of each quantity.
