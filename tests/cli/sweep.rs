@@ -302,6 +302,6 @@ fn a_key_of_segments_is_named_with_its_path() {
         let hint = format!("hint: {key} is a key of segments: {path} changes all of them\n");
         assert!(told.ends_with(&hint), "{told}");
         let right = command.replace(&format!(" {key}"), &format!(" {path}"));
-        assert_eq!(stderr(&bench.run(&right)), "", "{right}");
+        assert!(bench.run(&right).status.success(), "{right}");
     }
 }

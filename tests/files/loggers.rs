@@ -383,8 +383,9 @@ fn days_of_a_spreadsheet_keep_their_digits() {
         (text(" [d]", 739_000), "--scale displacement=2"),
         (text(" [d]", 0), ""),
     ] {
-        let times_s = read(text.as_bytes(), options).unwrap().columns().unwrap().time_s;
-        for (k, time_s) in (0..).zip(&times_s) {
+        let table = read(text.as_bytes(), options).unwrap();
+        let times_s = &table.columns().unwrap().time_s;
+        for (k, time_s) in (0..).zip(times_s) {
             let error_s = time_s - times_s[0] - 0.00432 * f64::from(k);
             assert!(error_s.abs() < 1e-11, "{options} {k}: {error_s}");
         }
