@@ -233,6 +233,13 @@ const OF_SEGMENTS: [&str; 10] = [
     "poisson_ratio",
 ];
 
+/// Hint for a path that is the bare key of a segment, in the file of a link or of an arm.
+pub(super) fn of_segments(path: &str, is_arm: bool) -> Option<String> {
+    let segments = if is_arm { "links.*.segments.*" } else { "segments.*" };
+    let hint = || format!("{path} is a key of segments: {segments}.{path} changes all of them");
+    OF_SEGMENTS.contains(&path).then(hint)
+}
+
 impl From<Misfit> for Fault {
     fn from(misfit: Misfit) -> Self {
         let path = misfit.steps.join(".");
@@ -256,14 +263,8 @@ impl From<Misfit> for Fault {
                 let place = if path.is_empty() { String::new() } else { format!(" in {path}") };
                 let of_carriage = (path == "hub" && key == "mass")
                     .then(|| "a hub that slides is a [carriage], which has a mass".to_owned());
-                let of_arm = if known.contains(&"links") { "links.*." } else { "" };
-                let of_segments = (path.is_empty() && OF_SEGMENTS.contains(&&*key)).then(|| {
-                    format!(
-                        "{key} is a key of segments: {of_arm}segments.*.{key} changes all of them"
-                    )
-                });
                 let hint = of_carriage
-                    .or(of_segments)
+                    .or_else(|| of_segments(&inner(&key), known.contains(&"links")))
                     .or_else(|| did_you_mean(&key, known.iter().copied()))
                     .unwrap_or_else(|| format!("known here: {}", listed(&known, "and")));
                 Self::new(inner(&key), format!("unknown key `{}`{place}", excerpt(&key)))
