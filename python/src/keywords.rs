@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use flexlink::cli::options::common::option;
+use flexlink::cli::options::reading::TableName;
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::text::did_you_mean;
 use pyo3::types::{PyFloat, PyInt, PyString};
@@ -125,9 +126,11 @@ fn words(value: &Any<'_>) -> PyResult<String> {
     Ok(value.str()?.to_string())
 }
 
-/// Keywords as the options of `solve`.
+/// Keywords as the options of `solve`, whose one table is that of the motion.
 pub(crate) fn solve_options(arguments: &[String]) -> Fails<SolveOptions> {
-    parsed(arguments, &[&OF_LINK[..], &OF_TIP].concat(), &[])
+    let options: SolveOptions = parsed(arguments, &[&OF_LINK[..], &OF_TIP].concat(), &[])?;
+    options.motion.read.check(&[TableName::Motion])?;
+    Ok(options)
 }
 
 /// Reads arguments as the options `T`. `others` are further keywords of the call.

@@ -127,7 +127,8 @@ names! {
     One tip_deflection,
     /// x and y of the tip in m.
     Several tip,
-    /// Torque of each motor in N m, not a number for a joint without a drive; None without any drive.
+    /// Torque of each motor in N m, not a number for a joint without a drive; None without any drive. The carriage of an arm
+    /// has none, and no column.
     Any motor_torque,
     /// Angle of each motor in rad, in the form of ``motor_torque``.
     Any motor_angle,
@@ -167,9 +168,8 @@ names! {
     Any warnings,
     /// Remarks on values that are possible but rare, often a slip of units.
     Any remarks,
-    // Methods, and properties with code of their own. Solutions have the deflections of arms, too.
+    // Methods, and properties with code of their own.
     One displacements,
-    One deflections,
     Several positions,
     One written_nodes,
     One length,

@@ -55,8 +55,8 @@ fn columns<'py>(py: Python<'py>, table: &compare::Table) -> PyResult<Bound<'py, 
 }
 
 /// A run of ``solve`` or ``simulate``, read from its folder, with the names of a :class:`Solution`. The files lack
-/// ``root_moment``, ``reaction``, the chords, ``tip_deflection`` and the deflections of an arm. Arrays have as many digits as
-/// the files; those of an arm have a column for each joint, the inner one first. A quantity without a file is None.
+/// ``root_moment``, ``reaction``, the chords and ``tip_deflection``. Arrays have as many digits as the files; those of an arm
+/// have a column for each joint, the inner one first. A quantity without a file is None.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Run {
     stored: StoredRun,
@@ -65,8 +65,10 @@ pub(crate) struct Run {
     summary: String,
 }
 
-/// Advice for a folder without the tables of nodes, and for one without moments.
+/// Advice for a folder without the tables of nodes, for that of an arm without deflections, and for one without moments.
 const NO_NODES: &str = "the folder must hold nodal_displacements.csv, and in a link with weight the direction from which they count";
+const NO_DEFLECTIONS: &str =
+    "`write` of a solution with deflections=True writes nodal_deflections.csv";
 const NO_MOMENTS: &str =
     "solve(…, moments=True) computes them, and `write` of it writes bending_moments.csv";
 
@@ -76,18 +78,15 @@ impl Run {
         Ok(Self { stored, folder, summary })
     }
 
-    /// Deflections or moments at nodes in the folder, if there are any.
-    fn deflections_m(&self) -> Option<&StoredNodes> {
-        self.stored.arc.as_ref()?.deflections_m.as_ref()
-    }
-
     /// A link by its number from 0.
     fn link(&self, link: usize) -> Fails<&StoredLink> {
         self.stored.links.get(link).ok_or_else(|| no_link(link, self.links()))
     }
 
+    /// Deflections or moments at nodes of the first link in the folder, if there are any.
     fn nodal(&self) -> Option<&StoredNodes> {
-        self.deflections_m().or(self.stored.links[0].moments_n_m.as_ref())
+        let StoredLink { deflections_m, moments_n_m, .. } = &self.stored.links[0];
+        deflections_m.as_ref().or(moments_n_m.as_ref())
     }
 
     /// Times of the nodes' histories.
@@ -228,14 +227,22 @@ impl Run {
     #[pyo3(signature = (nodes=None))]
     fn displacements<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>) -> Table<'py> {
         check("displacements", self.kind())?;
-        self.histories(py, ("displacements", self.deflections_m(), NO_NODES), (nodes, true))
+        let stored = self.stored.links[0].deflections_m.as_ref();
+        self.histories(py, ("displacements", stored, NO_NODES), (nodes, true))
     }
 
-    /// Deflections of nodes of one link in m from the hub's tangent line, in the form of ``displacements``.
-    #[pyo3(signature = (nodes=None))]
-    fn deflections<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>) -> Table<'py> {
-        check("deflections", self.kind())?;
-        self.histories(py, ("deflections", self.deflections_m(), NO_NODES), (nodes, false))
+    /// Deflections of nodes in m from the hub's tangent line, of the nodes of an arm's ``link`` from its chord, in the form of
+    /// ``displacements``. ``link`` counts from 0; that of an arm has them by a run with ``deflections``.
+    #[pyo3(signature = (nodes=None, *, link=0))]
+    fn deflections<'py>(
+        &self,
+        py: Python<'py>,
+        nodes: Option<Vec<usize>>,
+        link: usize,
+    ) -> Table<'py> {
+        let hint = if self.links() > 1 { NO_DEFLECTIONS } else { NO_NODES };
+        let stored = self.link(link)?.deflections_m.as_ref();
+        self.histories(py, ("deflections", stored, hint), (nodes, false))
     }
 
     /// Bending moments at nodes in N m of a ``link``, numbered from 0, written by a run with ``moments``, in the form of

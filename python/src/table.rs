@@ -91,11 +91,6 @@ impl Driven for SetPoints {
         };
         self.all(set_point).into_iter().map(Some).collect()
     }
-
-    /// The motor of a carriage is a column, too.
-    fn of_motors(&self, of: Of) -> Vec<Option<&[f64]>> {
-        self.joints(of)
-    }
 }
 
 impl Properties for SetPoints {

@@ -140,3 +140,17 @@ def test_a_standing_sheet_is_played_with_its_weight() -> None:
     solution = flexlink.solve(sheet, motion["time"], acceleration=motion["acceleration"])
     played = flexlink.simulate(sheet, solution.time, force=solution.force)
     assert abs(played.tip_displacement - solution.tip_displacement).max() < 1e-6 * 0.05
+
+
+def test_the_carriage_of_an_arm_has_no_motor(tmp_path: Path) -> None:
+    arm = flexlink.Link.read(ROOT / "specs/carriages/gantry_arm.toml")
+    driven = arm.changed({"links.1.drive": {"gear_ratio": 10.0}})
+    solution = flexlink.solve(driven, ROOT / "trajectories/arms/gantry_1.5s.csv")
+    solution.write(tmp_path / "r")
+    for own in (solution, flexlink.read(tmp_path / "r")):
+        assert own.motor_torque.shape == own.torque.shape == (own.time.size, 2)
+        assert np.isnan(own.motor_torque[:, 0]).all()
+        error = own.motor_torque[:, 1] - own.torque[:, 1] / 10
+        assert abs(error).max() < 1e-9 * abs(own.torque[:, 1]).max()
+    with pytest.raises(flexlink.InputError, match="unknown key `drive` in carriage"):
+        arm.changed({"carriage.drive": {"gear_ratio": 10.0}})

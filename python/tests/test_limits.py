@@ -135,3 +135,26 @@ def test_refusals_name_the_argument() -> None:
             flexlink.sweep(link, [{}], MOTION, threads=threads)
     with pytest.raises(TypeError, match="^distance = <class 'flexlink.Link'>, but must be a number, a text or the path"):
         flexlink.trajectory("septic", distance=link, duration=0.6, step=0.002)  # type: ignore[call-overload]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda link, **options: flexlink.solve(link, MOTION, **options),
+        lambda link, **options: flexlink.Motion(MOTION, **options),
+        lambda link, **options: flexlink.verify(link, MOTION, **options),
+        lambda link, **options: flexlink.sweep(link, [{"hub.inertia": 0.1}], MOTION, **options),
+        lambda link, **options: flexlink.robust(
+            link, MOTION, uncertain="payload.mass=±1%", **options
+        ),
+        lambda link, **options: flexlink.learn(
+            link, MOTION, {"time": [0.0, 1.0], "tip": [0.0, 0.0]}, uncertain="payload.mass=±1%", **options
+        ),
+    ],
+    ids=["solve", "Motion", "verify", "sweep", "robust", "learn"],
+)
+def test_an_option_for_a_table_that_no_call_reads_is_refused(call: Callable[..., Any]) -> None:
+    link = flexlink.Link.read(LINK)
+    for options in ({"unit": "target:mm"}, {"columns": "reference:time=1"}, {"skip": "target:1"}):
+        with pytest.raises(flexlink.FlexlinkError, match="(target|reference) is no table of"):
+            call(link, **options)

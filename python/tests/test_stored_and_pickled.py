@@ -53,6 +53,31 @@ def test_what_a_folder_has_not_is_an_error_in_words(tmp_path: Path) -> None:
     assert run.displacements().shape == (solution.time.size, solution.nodes.size)
 
 
+def test_a_stored_arm_has_the_deflections_of_its_links(tmp_path: Path) -> None:
+    arm = flexlink.Link.read(ARM)
+    solution = flexlink.solve(arm, PATH)
+    solution.write(tmp_path / "r", deflections=True, every=5)
+    run = flexlink.read(tmp_path / "r")
+    for link in (0, 1):
+        own, read = solution.deflections(every=5, link=link), run.deflections(link=link)
+        assert read.shape == own.shape == (run.nodal_time.size, run.nodes_of(link).size)
+        assert abs(read - own).max() < 1e-9 * abs(own).max()
+        assert (run.deflections([2, 1], link=link) == read[:, [2, 1]]).all()
+        # The distance of each node from the line through both ends of its link.
+        places = run.positions(link)
+        chord = places[:, -1] - places[:, 0]
+        chord /= np.linalg.norm(chord, axis=1, keepdims=True)
+        x, y = np.moveaxis(places - places[:, :1], 2, 0)
+        across = chord[:, :1] * y - chord[:, 1:] * x
+        assert abs(across - read).max() < 1e-6 * abs(read).max()
+    with pytest.raises(flexlink.FlexlinkError, match="link = 2, but must be below 2"):
+        run.deflections(link=2)
+    solution.write(tmp_path / "r")
+    with pytest.raises(flexlink.InputError, match="deflections is missing: the run did") as told:
+        flexlink.read(tmp_path / "r").deflections(link=1)
+    assert told.value.hint is not None and "deflections=True" in told.value.hint
+
+
 def test_a_stored_link_with_weight_counts_from_where_it_starts(tmp_path: Path) -> None:
     coarse = {"mesh": {"elements": 4}, "analysis": {"tolerance": 1e-4}}
     link = strip(gravity=[0.0, -9.81], start_angle="-90 deg", **coarse)

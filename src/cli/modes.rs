@@ -26,7 +26,7 @@ use crate::cli::options::common::{NodeArgs, SyncArgs, angle_rad, directions};
 use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::check_folder;
 use crate::cli::terminal::text::modes_text;
-use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
+use crate::cli::terminal::{Exit, Failure, PrintArgs, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -69,6 +69,7 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 /// the pose has a growth rate.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
+#[command(mut_arg("json", |arg| arg.help("Print modes and zeros as JSON instead of the table")))]
 pub(crate) struct Modes {
     #[command(flatten)]
     link: LinkArgs,
@@ -93,9 +94,8 @@ pub(crate) struct Modes {
     #[arg(long, value_name = "N", default_value = "12")]
     digits: Digits,
 
-    /// Print modes and zeros as JSON instead of the table.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    print: PrintArgs,
 
     #[command(flatten)]
     state_space: StateSpaceArgs,
@@ -114,7 +114,7 @@ impl Modes {
         let (_, mut specification) = self.link.load()?;
         self.state_space.mesh(&mut specification)?;
         let arm = &specification.arm;
-        let bar = StageBar::new();
+        let bar = self.print.stages();
         bar.at("finding modes and zeros");
         let wanted = match (&self.output, arm.links().len()) {
             (Some(_), _) => Wanted::Tables,
@@ -129,10 +129,11 @@ impl Modes {
             found.write(self.sync.stage(folder)?, self.digits)?;
         }
         if let Some(space) = &space {
-            self.state_space.write(&specification.arm, &found, space)?;
+            let told = self.state_space.write(&specification.arm, &found, space)?;
+            told.filter(|_| !self.print.quiet).iter().for_each(|own| console::note(own));
         }
         let warnings = tell(&specification, &found);
-        console::print(&if self.json { modes_json(&found) } else { modes_text(arm, &found) })?;
+        self.print.print(|| modes_json(&found), || modes_text(arm, &found))?;
         self.warnings.refuse(warnings)
     }
 }

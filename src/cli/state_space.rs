@@ -88,17 +88,17 @@ impl StateSpaceArgs {
         Ok(Some(Written { space, scope }))
     }
 
-    /// Writes the file, and prints what it contains.
+    /// Writes the file, and says what it contains.
     pub(crate) fn write(
         &self,
         arm: &Arm,
         found: &ModesResult,
         Written { space, scope }: &Written,
-    ) -> Result<(), Failure> {
+    ) -> Result<Option<String>, Failure> {
         let file = self.state_space.as_deref();
         let Some((file, form)) = file.and_then(|file| Some((file, StateSpaceForm::of(file)?)))
         else {
-            return Ok(());
+            return Ok(None);
         };
         let description = described(space, scope);
         let directions_rad = match &found.setting {
@@ -117,14 +117,13 @@ impl StateSpaceArgs {
         let count = |number: usize, of: &str| {
             format!("{number} {of}{}", if number == 1 { "" } else { "s" })
         };
-        console::note(&format!(
+        Ok(Some(format!(
             "{} has {}, {} and {}: {description}",
             file.display(),
             count(space.states.len(), "state"),
             count(space.inputs.len(), "input"),
             count(space.outputs.len(), "output"),
-        ));
-        Ok(())
+        )))
     }
 }
 

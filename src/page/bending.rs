@@ -40,7 +40,8 @@ impl View<'_> {
         let Some(run) = self.link else {
             return Some(deflections(self.first(), link)).filter(|nodes| nodes.times_s.len() > 1);
         };
-        let mut nodes = run.arc.deflections_m.clone().filter(|nodes| nodes.times_s.len() > 1)?;
+        let written = self.first().links[link].deflections_m.clone();
+        let mut nodes = written.filter(|nodes| nodes.times_s.len() > 1)?;
         let output = run.arc.mesh.output();
         if nodes.nodes.first() != Some(&0) {
             nodes.nodes.insert(0, 0);

@@ -362,7 +362,7 @@ fn tip_deflection(run: &StoredRun, link: usize) -> (&[f64], Cow<'_, [f64]>) {
         return (&run.nodal_times_s, tip_deflection_m(run, link).into());
     };
     let output = single.arc.mesh.output();
-    let written = single.arc.deflections_m.as_ref();
+    let written = run.links[link].deflections_m.as_ref();
     let written = written.and_then(|own| {
         let at = own.nodes.iter().position(|node| *node == output)?;
         Some((&own.times_s[..], Cow::from(&own.histories[at])))

@@ -103,6 +103,13 @@ pub(super) fn run() -> StoredRun {
             kept_modes: None,
             origin_rad: 0.0,
             tip: solution.tip[0].clone(),
+            mesh,
+        }),
+        links: vec![StoredLink {
+            name: "1".to_owned(),
+            link,
+            nodes_m: solution.links[0].mesh().nodes_m().to_vec(),
+            positions_m: vec![],
             deflections_m: Some(StoredNodes {
                 nodes: all.clone(),
                 times_s: times_s.clone(),
@@ -112,13 +119,6 @@ pub(super) fn run() -> StoredRun {
                     .histories()
                     .samples,
             }),
-            mesh,
-        }),
-        links: vec![StoredLink {
-            name: "1".to_owned(),
-            link,
-            nodes_m: solution.links[0].mesh().nodes_m().to_vec(),
-            positions_m: vec![],
             moments_n_m: None,
         }],
         nodal_times_s: vec![],
@@ -149,7 +149,7 @@ pub(super) fn run() -> StoredRun {
 impl StoredRun {
     /// The deflections of the nodes of the single link.
     pub(super) fn bent(&mut self) -> &mut StoredNodes {
-        self.arc.as_mut().unwrap().deflections_m.as_mut().unwrap()
+        self.links[0].deflections_m.as_mut().unwrap()
     }
 }
 
@@ -391,6 +391,7 @@ fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigi
             .iter()
             .map(|x| [0, 1].map(|axis| (0..3).map(|k| place(link, *x, k)[axis]).collect()))
             .collect(),
+        deflections_m: None,
         moments_n_m: None,
     });
     let one = run();

@@ -60,6 +60,16 @@ fn shapes_have_the_part_of_the_hub_and_slopes_with_the_hub_free_and_held() {
 }
 
 #[test]
+fn quiet_modes_print_nothing_but_warnings() {
+    let bench = Bench::new();
+    assert_eq!(bench.silent(&format!("modes {LINK} --count 3 -q -o m --state-space s.json")), "");
+    assert_eq!(bench.numbers("m/modes.csv", "period_s").len(), 3);
+    let coarse = bench.told(&format!("modes {LINK} --quiet --set mesh.elements=2"));
+    assert!(coarse.starts_with("warning: "), "{coarse}");
+    bench.refuses(2, &format!("modes {LINK} --quiet --json"), "--json");
+}
+
+#[test]
 fn a_state_space_answers_as_frf_and_names_its_numbers() {
     let bench = Bench::new();
     let link = "segments = [{ length = 1, EI = 8, mass_per_length = 0.6 }]\nmesh.elements = 10

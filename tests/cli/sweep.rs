@@ -287,3 +287,21 @@ fn rows_go_to_standard_output_for_a_dash_and_nothing_else_does() {
     assert!(stdout(&output) == bench.read("sweep.csv"));
     assert_eq!(stderr(&output), "", "no progress in a pipe");
 }
+
+#[test]
+fn a_key_of_segments_is_named_with_its_path() {
+    let bench = Bench::new();
+    let arm = "specs/arms/two_links.toml";
+    for (command, path) in [
+        (format!("sweep {LINK} {MOTION} --vary EI=1,2"), "segments.*.EI"),
+        (format!("modes {LINK} --set mass_per_length*=2"), "segments.*.mass_per_length"),
+        (format!("modes {arm} --at 0,1 --set EI*=2"), "links.*.segments.*.EI"),
+    ] {
+        let told = stderr(&bench.run(&command));
+        let key = path.rsplit('.').next().unwrap();
+        let hint = format!("hint: {key} is a key of segments: {path} changes all of them\n");
+        assert!(told.ends_with(&hint), "{told}");
+        let right = command.replace(&format!(" {key}"), &format!(" {path}"));
+        assert!(bench.run(&right).status.success(), "{right}");
+    }
+}

@@ -370,6 +370,30 @@ fn seconds_since_1970_keep_their_digits() {
     }
 }
 
+/// A step of 5e-8 d, 4.32 ms. As one number a time of 45000 d in s has half a µs.
+#[test]
+fn days_of_a_spreadsheet_keep_their_digits() {
+    let text = |unit: &str, day: u32| {
+        let day = |k: u32| format!("{day}.{:08}", 12_345_678 + 5 * k);
+        format!("time{unit},displacement [mm]\n{}", rows(|k| format!("{},{}", day(k), arc_mm(k))))
+    };
+    for (text, options) in [
+        (text(" [d]", 45_000), ""),
+        (text("", 45_000), "--time-unit d"),
+        (text(" [d]", 739_000), "--scale displacement=2"),
+        (text(" [d]", 0), ""),
+    ] {
+        let table = read(text.as_bytes(), options).unwrap();
+        let times_s = &table.columns().unwrap().time_s;
+        for (k, time_s) in (0..).zip(times_s) {
+            let error_s = time_s - times_s[0] - 0.00432 * f64::from(k);
+            assert!(error_s.abs() < 1e-11, "{options} {k}: {error_s}");
+        }
+    }
+    let exponent = text(" [d]", 45_000).replace(".12345678,", ".12345678e0,");
+    assert!(read(exponent.as_bytes(), "").is_ok());
+}
+
 #[test]
 fn every_line_is_a_sample_at_a_sample_rate() {
     let text = format!("displacement [mm]\n{}", rows(|k| arc_mm(k).to_string()));

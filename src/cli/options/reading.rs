@@ -240,7 +240,7 @@ impl ReadArgs {
 
     /// Refuses options for tables that a command does not read, and two values for one table. The first of `tables` takes
     /// the options without a name.
-    pub(crate) fn check(&self, tables: &[TableName]) -> Result<(), Failure> {
+    pub fn check(&self, tables: &[TableName]) -> Result<(), Failure> {
         let given = self.given();
         let of = |table: Option<TableName>| table.or(tables.first().copied());
         for (number, (option, table, _)) in given.iter().enumerate() {

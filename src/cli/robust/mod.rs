@@ -284,7 +284,6 @@ impl Robust {
         let changes = options.changes.overrides()?;
         let (plants, specification) = options.plants((&file, changes), fit.as_ref())?;
         let motion = InputFile::read(&self.motion)?;
-        options.motion.read.check(&[TableName::Motion])?;
         let problem = Problem::read((&file, specification), &motion, &options.motion)?;
         let stages = self.print.stages();
         let solved = problem.solve(Analysis::clone, memory::available(), &stages)?;
@@ -369,6 +368,7 @@ impl RobustOptions {
         link: (&InputFile, Vec<Override>),
         fit: Option<&InputFile>,
     ) -> Result<(Plants, Specification), Failure> {
+        self.motion.read.check(&[TableName::Motion])?;
         Plants::of(link, (&self.uncertain, fit), self.hold())
     }
 

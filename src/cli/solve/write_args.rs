@@ -39,8 +39,8 @@ pub struct WriteArgs {
     #[arg(long, value_name = "SHARE", requires = "write", value_parser = share)]
     pub(super) window: Option<f64>,
 
-    /// FILE has values for a converter that holds each until the next row (zero), or for a drive that draws straight lines
-    /// between them (linear), corrected so that the link moves as wanted. The remaining error of the tip is printed.
+    /// Output between the rows of FILE: a converter holds each value until the next row (zero), or a drive draws straight
+    /// lines (linear). The values are corrected for it, so that the tip moves as wanted; its remaining error is printed.
     #[arg(long, value_name = "KIND", requires = "write", value_enum)]
     pub(super) hold: Option<Hold>,
 

@@ -12,10 +12,28 @@ pub struct ClockTime {
     date: Date,
     /// Whole seconds from 1970, or from midnight without a date.
     whole_s: i64,
-    /// The rest, from 0 to below 1 s.
+    /// The rest, from 0 to below 1 s, of days to below a day.
     part_s: f64,
     /// True if the text names its distance from UTC.
     has_zone: bool,
+}
+
+/// Unit of a count of time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum CountUnit {
+    Days,
+    /// A number of units in a second.
+    PerSecond(i64),
+}
+
+impl CountUnit {
+    /// The unit of this duration in s, if there is one.
+    pub(super) fn of_seconds(unit_s: f64) -> Option<Self> {
+        let is_of = |per_s: &i64| (unit_s * *per_s as f64 - 1.0).abs() < 1e-9;
+        let per_s = [1, 1_000, 1_000_000, 1_000_000_000].into_iter().find(is_of);
+        let is_day = (unit_s / DAY_S as f64 - 1.0).abs() < 1e-9;
+        per_s.map(Self::PerSecond).or_else(|| is_day.then_some(Self::Days))
+    }
 }
 
 /// The date of an instant.
@@ -23,6 +41,8 @@ pub struct ClockTime {
 enum Date {
     Absent,
     Known,
+    /// A count of days, whose first day differs between programs.
+    Counted,
     /// A date such as `11/30/2026`, which shows whether the month is first.
     Slashed {
         is_month_first: bool,
@@ -72,11 +92,16 @@ impl ClockTime {
         })
     }
 
-    /// Whole units of time since 1970 in UTC, `per_s` of which are a second, and a part of one.
-    pub(super) fn since_1970(text: String, (count, part): (i64, f64), per_s: i64) -> Self {
-        let part_s = (count.rem_euclid(per_s) as f64 + part) / per_s as f64;
-        let whole_s = count.div_euclid(per_s);
-        Self { text, date: Date::Known, whole_s, part_s, has_zone: true }
+    /// A count of whole units and a part of one: of days, or of a unit since 1970 in UTC.
+    pub(super) fn of_count(text: String, (count, part): (i64, f64), unit: CountUnit) -> Self {
+        let (date, whole_s, part_s) = match unit {
+            CountUnit::Days => (Date::Counted, count.saturating_mul(DAY_S), part * DAY_S as f64),
+            CountUnit::PerSecond(per_s) => {
+                let part_s = (count.rem_euclid(per_s) as f64 + part) / per_s as f64;
+                (Date::Known, count.div_euclid(per_s), part_s)
+            }
+        };
+        Self { text, date, whole_s, part_s, has_zone: true }
     }
 
     /// Time in s from another instant to this one; `None` if one has a date or a zone and the other has none, and for
@@ -274,6 +299,15 @@ mod tests {
             assert_eq!(time(text).since(&local), Some(0.0), "{text}");
         }
         assert_eq!(local.since(&exact), None, "one has no zone");
+        let of_count = |text: &str, count, unit_s| {
+            ClockTime::of_count(text.into(), count, CountUnit::of_seconds(unit_s).unwrap())
+        };
+        let milliseconds = of_count("ms", (1_796_059_445_125, 0.0), 1e-3);
+        assert_eq!(milliseconds.since(&exact), Some(0.0));
+        let [one, other] = [0.25, 0.5].map(|part| of_count("d", (46_356, part), 86_400.0));
+        assert_eq!(other.since(&one), Some(21_600.0));
+        assert_eq!(one.since(&exact), None, "programs count days from other dates");
+        assert_eq!(CountUnit::of_seconds(60.0), None);
         for (text, whole_s) in [
             ("1970-01-01T00:00:00Z", 0),
             ("2000-02-29T12:00:00Z", 951_825_600),

@@ -2,8 +2,8 @@
 
 use super::format::{ColumnName, Reading, TableFormat};
 use super::heading::{
-    HUB_ANGLE, HUB_RATE, Heading, Quantity, Spelling, TIME, Vocabulary, find, names, nearest,
-    refuse_missing, unread_unit,
+    HUB_ANGLE, HUB_RATE, Heading, NamedColumn, Quantity, Spelling, TIME, Vocabulary, find, names,
+    nearest, refuse_missing, unread_unit,
 };
 use super::input::{Place, TableError, quoted};
 use super::unit_name::{split_any_unit, split_unit};
@@ -46,10 +46,6 @@ pub(super) struct Header<'a> {
     pub(super) place: Place<'a>,
 }
 
-/// Spellings in the order of the search.
-pub(super) const WAYS: [&[Spelling]; 3] =
-    [&[Spelling::Exact, Spelling::Suffixed], &[Spelling::Free], &[Spelling::Alias]];
-
 impl Columns {
     /// Finds the quantities of a vocabulary: first the user's choice, then standard headings, then other spellings and
     /// common names.
@@ -75,7 +71,7 @@ impl Columns {
             FirstRow::Samples
         } else {
             vocabulary.check_names(header.fields, header.place)?;
-            header.check_gaps(&chosen)?;
+            header.check_first_row(&chosen)?;
             FirstRow::Names
         };
         let heading = |&(quantity, index)| header.chosen_heading(quantity, index, first);
@@ -110,22 +106,19 @@ impl Columns {
         };
         let free: Vec<String> = header.fields.iter().enumerate().map(free).collect();
         let free: Vec<&str> = free.iter().map(String::as_str).collect();
-        for ways in WAYS {
-            let has_motion = self.headings.iter().any(|heading| heading.quantity != TIME);
+        let headings = &self.headings;
+        let is_sought = |quantity, ways: &[Spelling], found: &[NamedColumn]| {
             // A common name is no second motion besides one with its standard word.
-            let is_second = is_one_motion && has_motion && ways == [Spelling::Alias];
-            let is_time_alone = is_chosen || is_second;
-            for &quantity in vocabulary.quantities {
-                let is_moot = is_time_alone && quantity != TIME;
-                if is_moot || find(&self.headings, quantity).is_some() {
-                    continue;
-                }
-                let found = vocabulary.column(&free, quantity, ways, header.place)?;
-                let Some((index, way)) = found else { continue };
-                let field = (index, header.fields[index]);
-                self.headings.push(header.heading(quantity, field, way == Spelling::Suffixed)?);
-                self.is_guessed |= matches!(way, Spelling::Free | Spelling::Alias);
-            }
+            let is_motion = |(own, _, way): &NamedColumn| *own != TIME && *way != Spelling::Alias;
+            let is_second =
+                is_one_motion && ways == [Spelling::Alias] && found.iter().any(is_motion);
+            (quantity == TIME || !is_chosen && !is_second) && find(headings, quantity).is_none()
+        };
+        let named = vocabulary.columns((&free, header.place), is_sought)?;
+        for (quantity, index, way) in named {
+            let field = (index, header.fields[index]);
+            self.headings.push(header.heading(quantity, field, way == Spelling::Suffixed)?);
+            self.is_guessed |= matches!(way, Spelling::Free | Spelling::Alias);
         }
         let is_read = |index: &usize| self.headings.iter().any(|heading| heading.index == *index);
         let unread = (0..header.fields.len()).filter(|index| !is_chosen && !is_read(index));
@@ -324,7 +317,7 @@ impl Header<'_> {
 
     /// Refuses names in some of the chosen columns and numbers in others: otherwise a first sample with a gap would
     /// count as names.
-    fn check_gaps(&self, chosen: &[(Quantity, usize)]) -> Result<(), TableError> {
+    fn check_first_row(&self, chosen: &[(Quantity, usize)]) -> Result<(), TableError> {
         let is_number = |(_, index): &&(Quantity, usize)| is_number(self.fields[*index]);
         if !chosen.iter().any(|pair| is_number(&pair)) {
             return Ok(());

@@ -64,9 +64,11 @@ impl Dialect {
     /// The standard dialect after some lines.
     fn after(text: &str, skip: usize) -> Self {
         let mut dialect = Self::default();
-        for _ in 0..skip {
+        // A text has at most as many lines as bytes.
+        for _ in 0..skip.min(text.len()) {
             dialect.pass_line(text);
         }
+        dialect.lines = skip as u64;
         dialect
     }
 

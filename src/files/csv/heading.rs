@@ -1,6 +1,6 @@
 //! Headings of columns: the quantity and its unit.
 
-use super::clock::ClockTime;
+use super::clock::{ClockTime, CountUnit};
 use super::input::{Place, TableError, quoted};
 use super::unit_name::{UnitName, parse_unit, split_any_unit, split_unit};
 use crate::numeric::{Dimension, Unit, reads_as_unit};
@@ -207,8 +207,8 @@ impl Quantity {
         Self { aliases, ..self }
     }
 
-    /// True if the unit is one of this quantity. Of the pure numbers only angles have units of angles; a voltage, which
-    /// is a pure number here, has none of them.
+    /// True if numbers of this quantity may have the unit. Only angles take rad and deg, which are pure numbers as strains
+    /// are. A voltage, which counts as a pure number here, takes no unit.
     pub(super) fn takes(self, unit: &UnitName) -> bool {
         let is_angle = |text: &str| text.contains("rad") || text.contains("deg") || text == "°";
         let of_angle = is_angle(self.units[0]) == is_angle(&unit.text) && self != VOLTAGE;
@@ -276,11 +276,34 @@ impl Vocabulary {
         })
     }
 
+    /// The columns that name quantities, each quantity in its best spelling. `is_sought` decides whether a quantity counts
+    /// in some spellings, from the columns found in better ones.
+    ///
+    /// # Errors
+    /// [`TableError`] if two columns name a quantity alike.
+    pub(super) fn columns(
+        &self,
+        (fields, place): (&[&str], Place),
+        is_sought: impl Fn(Quantity, &[Spelling], &[NamedColumn]) -> bool,
+    ) -> Result<Vec<NamedColumn>, TableError> {
+        let mut found: Vec<NamedColumn> = Vec::new();
+        for ways in WAYS {
+            for &quantity in self.quantities {
+                let is_found = found.iter().any(|(own, ..)| *own == quantity);
+                if !is_found && is_sought(quantity, ways, &found) {
+                    let column = self.column(fields, quantity, ways, place)?;
+                    found.extend(column.map(|(index, way)| (quantity, index, way)));
+                }
+            }
+        }
+        Ok(found)
+    }
+
     /// The only column that names a quantity in one of these spellings, with its spelling.
     ///
     /// # Errors
     /// [`TableError`] if there are two.
-    pub(super) fn column(
+    fn column(
         &self,
         fields: &[&str],
         quantity: Quantity,
@@ -331,6 +354,13 @@ pub(super) enum Spelling {
     /// Another name, `pos [mm]`.
     Alias,
 }
+
+/// Spellings in the order of the search.
+const WAYS: [&[Spelling]; 3] =
+    [&[Spelling::Exact, Spelling::Suffixed], &[Spelling::Free], &[Spelling::Alias]];
+
+/// A quantity with the column that names it, and the spelling.
+pub(super) type NamedColumn = (Quantity, usize, Spelling);
 
 /// The heading of a quantity, if the table has one.
 pub(super) fn find(headings: &[Heading], quantity: Quantity) -> Option<&Heading> {
@@ -433,34 +463,40 @@ impl Heading {
         self.has_unit || self.factor.is_some()
     }
 
-    /// Takes the unit of a time since 1970 of the years 1998 to 2103 from its size, if no unit is named: ms, us or ns. As
-    /// seconds such a time would be some 30000 years or more.
-    pub(super) fn guess_epoch(&mut self, field: &str) -> Option<&'static str> {
-        let time = field.parse::<f64>().ok().filter(|_| !self.has_measure())?;
-        let units = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
-        let is_within = |(_, per_s): &(&str, f64)| (0.9e9..4.2e9).contains(&(time / per_s));
-        let (unit, _) = units.into_iter().find(is_within)?;
-        self.unit = parse_unit(unit).ok();
-        unit.clone_into(&mut self.unit_text);
-        Some(unit)
-    }
-
-    /// The instant of so many s, ms, us or ns since 1970 that a float would lose digits of a time.
-    pub(super) fn instant(&self, field: &str) -> Option<ClockTime> {
-        /// Digits that are exact in a float, and s from 1970 to 1998.
+    /// The instant of a count of s, ms, us, ns or days that began long ago, as loggers and spreadsheets write it: in one
+    /// number a time would lose digits.
+    ///
+    /// In the first row, which has `notes`, a time without a unit is in ms, us or ns if this makes it 28 to 133 years. As
+    /// seconds it would be 30000 years or more.
+    pub(super) fn instant(
+        &mut self,
+        field: &str,
+        notes: Option<&mut Vec<String>>,
+    ) -> Option<ClockTime> {
+        /// Digits that are exact in a float, and s of 28 and of 133 years.
         const EXACT: usize = 15;
-        const FROM_S: i64 = 883_612_800;
+        const FAR_S: f64 = 883_612_800.0;
+        const FARTHEST_S: f64 = 4.2e9;
+        let number = field.parse::<f64>().ok()?;
+        let units = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+        let is_of = |(_, unit_s): &(&str, f64)| (FAR_S..FARTHEST_S).contains(&(number * unit_s));
+        if let (Some(notes), false) = (notes, self.has_measure())
+            && let Some((unit, _)) = units.into_iter().find(is_of)
+        {
+            self.unit = parse_unit(unit).ok();
+            unit.clone_into(&mut self.unit_text);
+            notes.push(format!("time in {unit} since 1970, by its size"));
+        }
+        let unit_s = self.to_si(1.0);
+        let unit = CountUnit::of_seconds(unit_s)?;
         let (whole, decimals) = field.split_once('.').unwrap_or((field, ""));
         let are_digits =
             [whole, decimals].iter().all(|own| own.bytes().all(|own| own.is_ascii_digit()));
-        let unit_s = (are_digits && whole.len() > 8).then(|| self.to_si(1.0))?;
-        let is_of = |per_s: &i64| (unit_s * *per_s as f64 - 1.0).abs() < 1e-9;
-        let per_s = [1, 1_000, 1_000_000, 1_000_000_000].into_iter().find(is_of)?;
-        let count: i64 = whole.parse().ok()?;
-        let is_exact = whole.len() <= EXACT && count / per_s < FROM_S;
-        let part = format!("0.{decimals}").parse().ok()?;
-        let text = format!("{field} {}", self.unit_text);
-        (!is_exact).then(|| ClockTime::since_1970(text, (count, part), per_s))
+        if !are_digits || whole.len() <= EXACT && number * unit_s < FAR_S {
+            return None;
+        }
+        let count = (whole.parse().ok()?, format!("0.{decimals}").parse().ok()?);
+        Some(ClockTime::of_count(format!("{field} {}", self.unit_text), count, unit))
     }
 
     /// Converts a value of this column to SI.

@@ -141,19 +141,12 @@ fn word_of(quantity: Quantity) -> String {
     if of_tip { format!("tip_{}", quantity.word) } else { quantity.word.to_owned() }
 }
 
+/// Quantities of the tip of one link.
+const OF_TIP: [Quantity; 5] = [TIP, DISPLACEMENT, VELOCITY, ACCELERATION, DEFLECTION];
+
 /// Names of all quantities that a simulation yields.
 const CHANNELS: Vocabulary = Vocabulary {
-    quantities: &[
-        TIME,
-        HUB_ANGLE,
-        HUB_RATE,
-        TIP,
-        DISPLACEMENT,
-        VELOCITY,
-        ACCELERATION,
-        DEFLECTION,
-        TORQUE,
-    ],
+    quantities: &joined::<9>(&[&[TIME, HUB_ANGLE, HUB_RATE], &OF_TIP, &[TORQUE]]),
     prefix: "tip_",
     example: "time,hub_angle",
     ..Vocabulary::NONE
@@ -161,17 +154,7 @@ const CHANNELS: Vocabulary = Vocabulary {
 
 /// Names of all quantities that the simulation of a link on a carriage yields.
 const CARRIAGE_CHANNELS: Vocabulary = Vocabulary {
-    quantities: &[
-        TIME,
-        CARRIAGE,
-        CARRIAGE_VELOCITY,
-        TIP,
-        DISPLACEMENT,
-        VELOCITY,
-        ACCELERATION,
-        DEFLECTION,
-        FORCE,
-    ],
+    quantities: &joined::<9>(&[&[TIME, CARRIAGE, CARRIAGE_VELOCITY], &OF_TIP, &[FORCE]]),
     example: "time,carriage",
     ..CHANNELS
 };
@@ -293,20 +276,11 @@ const SIGNAL: Quantity = quantity("signal", "_1", Dimension::NONE, ["1", "1"]);
 
 /// All quantities that may vibrate, in any unit.
 const DECAY: Vocabulary = Vocabulary {
-    quantities: &[
-        TIME,
-        HUB_ANGLE,
-        HUB_RATE,
-        CARRIAGE,
-        CARRIAGE_VELOCITY,
-        TIP,
-        DISPLACEMENT,
-        VELOCITY,
-        ACCELERATION,
-        DEFLECTION,
-        ROOT_STRAIN,
-        VOLTAGE,
-    ],
+    quantities: &joined::<12>(&[
+        &[TIME, HUB_ANGLE, HUB_RATE, CARRIAGE, CARRIAGE_VELOCITY],
+        &OF_TIP,
+        &[ROOT_STRAIN, VOLTAGE],
+    ]),
     prefix: "tip_",
     example: "time,tip_deflection",
     choice: Some("rename one of them, or choose with columns"),

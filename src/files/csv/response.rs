@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
-use super::columns::{Header, WAYS};
+use super::columns::Header;
 use super::format::{Reading, TableFormat};
 use super::heading::{FREQUENCY, GAIN, IMAGINARY, PHASE, Quantity, REAL, Spelling, Vocabulary};
 use super::input::{Place, TableError, quoted};
@@ -85,10 +85,8 @@ pub fn read_frequency_response(
     };
     // SI as in the transfers; decibels are 20 times its decimal logarithm.
     let si = |unit: &str| match unit {
-        "" | "rad/(n m)" | "rad/n/m" | "1/(n m s)" | "1/(kg m)" | "1" | "1/n" | "1/(n m)" => {
-            Some(1.0)
-        }
-        "rad/v" | "rad/(s v)" | "rad/s/v" | "m/v" | "m/(s^2 v)" | "m/s^2/v" | "1/v" => Some(1.0),
+        "" | "rad/(n m)" | "rad/n/m" | "1/(n m s)" | "1/(kg m)" | "1" | "1/n" | "1/(n m)"
+        | "rad/v" | "rad/(s v)" | "rad/s/v" | "m/v" | "m/(s^2 v)" | "m/s^2/v" | "1/v" => Some(1.0),
         _ => None,
     };
     let decibels = |unit: &str| if unit == "db" { Some(DECIBELS) } else { si(unit) };
@@ -197,11 +195,8 @@ impl ResponseTable {
             let first = rows().find(|(_, (hertz, _))| *hertz < 0.0).map_or(0, |(row, _)| row);
             return Err(refuse(first, "must be above 0, or have a row at +f, too"));
         }
-        let keep: Vec<bool> = self.frequencies_hz.iter().map(|hertz| *hertz > 0.0).collect();
-        let mut kept = keep.iter();
-        self.frequencies_hz.retain(|_| kept.next() == Some(&true));
-        let mut kept = keep.iter();
-        self.values.retain(|_| kept.next() == Some(&true));
+        let pairs = self.frequencies_hz.iter().copied().zip(self.values.iter().copied());
+        (self.frequencies_hz, self.values) = pairs.filter(|(hertz, _)| *hertz > 0.0).unzip();
         Ok((below > 0).then(|| {
             format!("without its {below} rows below 0 Hz, {held} of them conjugates of rows above")
         }))
@@ -232,12 +227,8 @@ fn gains(table: &Table, found: &Found, place: Place) -> Result<Vec<f64>, TableEr
 fn named(header: Header, quantity: Quantity) -> Result<Option<usize>, TableError> {
     let lower: Vec<String> = header.fields.iter().map(|field| field.to_lowercase()).collect();
     let lower: Vec<&str> = lower.iter().map(String::as_str).collect();
-    for ways in WAYS {
-        if let Some((index, _)) = RESPONSE.column(&lower, quantity, ways, header.place)? {
-            return Ok(Some(index));
-        }
-    }
-    Ok(None)
+    let found = RESPONSE.columns((&lower, header.place), |own, _, _| own == quantity)?;
+    Ok(found.first().map(|(_, index, _)| *index))
 }
 
 /// The column of a quantity, by the user's choice or its name, and the factor of its unit.

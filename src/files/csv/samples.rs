@@ -6,7 +6,7 @@ use super::dialect::Dialect;
 use super::format::{Delimiter, Reading, TableFormat};
 use super::heading::{
     ACCELERATION, ANGLE, ANGLES, CARRIAGE, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME,
-    VELOCITY,
+    VELOCITY, find,
 };
 use super::input::{Place, TableError, quoted};
 use super::motion_begins::MotionBegins;
@@ -266,8 +266,7 @@ impl Samples {
 
     /// Unit of a quantity's column in SI; 1 without such a column.
     pub(super) fn unit(&self, quantity: Quantity) -> f64 {
-        let heading = self.headings.iter().find(|heading| heading.quantity == quantity);
-        heading.map_or(1.0, |heading| heading.to_si(1.0))
+        find(&self.headings, quantity).map_or(1.0, |heading| heading.to_si(1.0))
     }
 
     /// Takes all samples for a reader that needs uniform times: the times, then the column of each quantity.
@@ -297,31 +296,30 @@ impl Samples {
         time_s: Vec<f64>,
         columns: Vec<&mut Vec<f64>>,
     ) -> Result<Vec<f64>, TableError> {
-        if let Some(step_s) = self.resample_s {
+        let uniform = if let Some(step_s) = self.resample_s {
             let (steps, left_s) = steps_of(&time_s, step_s, &self.file)?;
             self.reading.found.extend(without_last(left_s));
-            self.check_gaps(&time_s)?;
+            self.check_longest_gap(&time_s)?;
             let uniform = Uniform::of(&time_s, steps, step_s);
-            for column in columns {
-                *column = uniform.interpolated(column, SplineEnds::NotAKnot);
-            }
             self.reading.is_interpolated = !uniform.is_known();
             self.lines = uniform.lines(&self.lines);
-            return Ok(uniform.times_s);
-        }
-        let decides = columns.first().map(|column| column.as_slice());
-        let Some(steps) = jitter(&time_s, decides) else { return Ok(time_s) };
-        let uniform = Uniform::over(&time_s);
+            uniform
+        } else {
+            let decides = columns.first().map(|column| column.as_slice());
+            let Some(steps) = jitter(&time_s, decides) else { return Ok(time_s) };
+            let uniform = Uniform::over(&time_s);
+            let step_s = uniform.step_s;
+            self.reading.jitter = Some(Remark::Jitter { steps, step_s }.to_string());
+            uniform
+        };
         for column in columns {
             *column = uniform.interpolated(column, SplineEnds::NotAKnot);
         }
-        let step_s = uniform.step_s;
-        self.reading.jitter = Some(Remark::Jitter { steps, step_s }.to_string());
         Ok(uniform.times_s)
     }
 
     /// Refuses times with a long gap, which a spline would fill with numbers that nobody measured, and tells a short one.
-    fn check_gaps(&mut self, time_s: &[f64]) -> Result<(), TableError> {
+    fn check_longest_gap(&mut self, time_s: &[f64]) -> Result<(), TableError> {
         let mut steps_s: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let longest = (0..steps_s.len()).max_by(|a, b| steps_s[*a].total_cmp(&steps_s[*b]));
         let Some((k, longest_s)) = longest.map(|k| (k, steps_s[k])) else { return Ok(()) };
@@ -476,10 +474,7 @@ impl Samples {
         }
         let heading = &mut self.headings[column];
         let is_first = self.lines.is_empty();
-        if is_first && let Some(unit) = heading.guess_epoch(field) {
-            self.reading.found.push(format!("time in {unit} since 1970, by its size"));
-        }
-        let count = heading.instant(field);
+        let count = heading.instant(field, is_first.then_some(&mut self.reading.found));
         let is_count = count.is_some();
         let read = count.or_else(|| {
             let is_number = field.parse::<f64>().is_ok();

@@ -192,8 +192,13 @@ impl de::Error for Misfit {
             "a sequence" => Self::custom("must be a list"),
             "f64" => Self::custom("must be a number"),
             "i64" => Self::custom(format!("must be {}", Count::WORDS)),
+            "usize" => Self::custom("must be a whole number from 0"),
             expected => Self::custom(format!("must be {expected}")),
         }
+    }
+
+    fn invalid_value(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Self::invalid_type(found, expected)
     }
 
     fn invalid_length(_: usize, expected: &dyn de::Expected) -> Self {
@@ -212,6 +217,27 @@ impl de::Error for Misfit {
     fn missing_field(key: &'static str) -> Self {
         Self::new(Reason::Missing { key })
     }
+}
+
+/// Keys that every segment has.
+const OF_SEGMENTS: [&str; 10] = [
+    "length",
+    "EI",
+    "E",
+    "I",
+    "mass_per_length",
+    "density",
+    "area",
+    "section",
+    "shear_stiffness",
+    "poisson_ratio",
+];
+
+/// Hint for a path that is the bare key of a segment, in the file of a link or of an arm.
+pub(super) fn of_segments(path: &str, is_arm: bool) -> Option<String> {
+    let segments = if is_arm { "links.*.segments.*" } else { "segments.*" };
+    let hint = || format!("{path} is a key of segments: {segments}.{path} changes all of them");
+    OF_SEGMENTS.contains(&path).then(hint)
 }
 
 impl From<Misfit> for Fault {
@@ -238,6 +264,7 @@ impl From<Misfit> for Fault {
                 let of_carriage = (path == "hub" && key == "mass")
                     .then(|| "a hub that slides is a [carriage], which has a mass".to_owned());
                 let hint = of_carriage
+                    .or_else(|| of_segments(&inner(&key), known.contains(&"links")))
                     .or_else(|| did_you_mean(&key, known.iter().copied()))
                     .unwrap_or_else(|| format!("known here: {}", listed(&known, "and")));
                 Self::new(inner(&key), format!("unknown key `{}`{place}", excerpt(&key)))

@@ -634,6 +634,7 @@ mod tests {
         let several = read("mode = [1, 3]\nfrom = '200 ms'\nonly = 'ratio'").unwrap();
         assert_eq!(several.frequencies, [mode(1), mode(3)]);
         assert_eq!((several.span_s, several.values), ([Some(0.2), None], DecayValues::Ratios));
+        assert_eq!(read("skip = 0").unwrap().table, read("").unwrap().table);
         for (more, expected) in [
             ("mode = [1, 1]", "m.toml:4: decay.0.mode must be the number of a mode"),
             ("mode = []", "m.toml:4: decay.0.mode must be the number of a mode"),
@@ -641,7 +642,8 @@ mod tests {
             ("mode = [0]", "m.toml:4: decay.0.mode.0 = 0, but must be a whole number from 1"),
             ("from = 2\nuntil = 1", "m.toml:5: decay.0.until must be after from"),
             ("resampel = 1", "m.toml:4: unknown key `resampel` in decay.0"),
-            ("skip = -1", "m.toml:4: decay.0.skip = -1, but must be a whole number from 1"),
+            ("skip = -1", "m.toml:4: decay.0.skip = -1, but must be a whole number from 0"),
+            ("skip = 1.5", "m.toml:4: decay.0.skip = 1.5, but must be a whole number from 0"),
             ("scale = ['displacement=2']", "m.toml:4: decay.0.scale has no meaning for a decay"),
             ("at = ['0 deg']", "m.toml:4: decay.0.at is for arms; one link takes no directions"),
             ("only = 'phase'", "m.toml:4: decay.0.only"),

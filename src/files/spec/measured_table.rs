@@ -2,7 +2,7 @@
 
 use super::error::Fault;
 use super::measured_values::Hertz;
-use super::value::{Count, Si, Time};
+use super::value::{Si, Time};
 
 /// Description of a table in the file that names it.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -35,7 +35,7 @@ pub(super) struct Tabled<T>(pub(super) RawTable, pub(super) T);
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(default)]
 pub(super) struct RawTable {
-    skip: Option<Count>,
+    skip: usize,
     columns: Vec<String>,
     scale: Vec<String>,
     delimiter: Option<String>,
@@ -65,7 +65,7 @@ impl RawTable {
             return Err(Fault::on(format!("{path}.{key}"), format!("has no meaning {why}")));
         }
         Ok(TableKeys {
-            skip: self.skip.map_or(0, |Count(lines)| lines),
+            skip: self.skip,
             columns: self.columns,
             scale: self.scale,
             delimiter: self.delimiter,

@@ -1,6 +1,6 @@
 use std::str::FromStr;
 
-use super::error::{Fault, SpecError};
+use super::error::{Fault, SpecError, of_segments};
 use super::raw::PROPERTIES;
 use super::tree::{Kind, Node, Place};
 use crate::numeric::split_number;
@@ -176,7 +176,9 @@ impl Step<'_> {
         let absent = format!("{} is not in the file", excerpt(path));
         if matches!(self.change, Change::Multiply(_)) {
             let message = format!("{absent}, so it cannot be multiplied");
-            return Err(Fault::new(path, message).hinting(instead(entries, step)));
+            let is_arm = entries.iter().any(|(key, _)| key == "links");
+            let hint = of_segments(path, is_arm).unwrap_or_else(|| instead(entries, step));
+            return Err(Fault::new(path, message).hinting(hint));
         }
         if matches!(step, "links" | "segments" | "masses") && !rest.is_empty() {
             return Err(Fault::new(path, absent));

@@ -157,11 +157,10 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
     let arguments = &summary.origin().arguments;
     let is_chosen = arguments.iter().any(|option| option == "--nodes" || option == STATIONS);
     let mut nodal = Nodal::new();
-    // The page draws the links of an arm at their places. It needs this table, and not the first one, of deflections.
-    let is_arm = count > 1;
-    for file in [&DEFLECTIONS, &PLACES, &MOMENTS].into_iter().skip(usize::from(is_arm)) {
+    for file in [&DEFLECTIONS, &PLACES, &MOMENTS] {
         let name = file.name(form);
-        if folder.has(name) || (is_arm && name == PLACES.name(form)) {
+        // The page draws the links of an arm at their places.
+        if folder.has(name) || (count > 1 && name == PLACES.name(form)) {
             nodal.insert(
                 name,
                 read_nodal(&folder.file(name)?, file, (form, &counts, is_chosen), times)?,
@@ -284,25 +283,27 @@ impl Parts {
         })
     }
 
-    /// Moves the motion of a single link along its arc out; `None` for an arm.
+    /// Moves the motion of a single link along its arc out; `None` for an arm. Unless the run wrote the link's deflections,
+    /// they follow from displacements and hub angle.
     fn arc(&mut self, hub: &StoredJoint, summary: &Summary) -> Option<StoredArc> {
         let mesh = self.mesh.take()?;
         let [displacement_m, velocity_m_s, acceleration_m_s2] =
             [0, 1, 2].map(|column| self.take(&TIP, 0, column).unwrap_or_default());
         let origin_rad = origin_rad(&self.links[0].1, hub, &displacement_m);
-        let [written, displacements] =
-            [&DEFLECTIONS, &PLACES].map(|file| self.take_nodes(file).into_iter().flatten().next());
-        // Unless the run wrote deflections, they follow from displacements and hub angle.
-        let computed = || {
-            let hub = (&hub.angle_rad[..], origin_rad?);
-            Some(deflections(displacements?, &mesh, hub, &self.times_s))
-        };
+        let displacements = self.take_nodes(&PLACES).into_iter().flatten().next();
+        let name = DEFLECTIONS.name(self.form());
+        if let (false, Some(displacements), Some(origin_rad)) =
+            (self.nodal.contains_key(name), displacements, origin_rad)
+        {
+            let hub = (&hub.angle_rad[..], origin_rad);
+            let computed = deflections(displacements, &mesh, hub, &self.times_s);
+            self.nodal.insert(name, vec![vec![computed]]);
+        }
         Some(StoredArc {
             second_order: summary.second_order(),
             kept_modes: summary.kept_modes(),
             origin_rad: origin_rad.unwrap_or(0.0),
             tip: TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 },
-            deflections_m: written.or_else(computed),
             mesh,
         })
     }
@@ -335,13 +336,15 @@ impl Parts {
             let pairs = x.histories.into_iter().zip(y.histories);
             Some(pairs.map(|(x, y)| [x, y]).collect())
         });
-        let mut moments = self.take_nodes(&MOMENTS).into_iter().flatten();
+        let [mut deflections, mut moments] =
+            [&DEFLECTIONS, &MOMENTS].map(|file| self.take_nodes(file).into_iter().flatten());
         let links = self.links.into_iter().zip(self.nodes_m);
         let links = links.map(|((name, link), nodes_m)| StoredLink {
             name,
             link,
             nodes_m,
             positions_m: places.next().flatten().unwrap_or_default(),
+            deflections_m: deflections.next(),
             moments_n_m: moments.next(),
         });
         Ok(StoredRun {
@@ -435,9 +438,7 @@ impl RunOutputs {
             }
         }
         let mut nodal = Nodal::new();
-        // The deflections of an arm are not read from its folder, either.
-        let is_read = |name: &str| name != DEFLECTIONS.name(form);
-        for table in tables.nodal.iter().filter(|table| is_read(table.file.name(form))) {
+        for table in &tables.nodal {
             let times_s = times_s(&table.times);
             let empty = StoredNodes { nodes: vec![], times_s, histories: vec![] };
             let mut links = vec![vec![empty; table.file.letters(form).len()]; count];

@@ -329,7 +329,7 @@ impl Warning {
         match self {
             Self::EndVelocityCorrected { .. } => "write the trajectory with more digits",
             Self::TipMissed { shortfall: Shortfall::Step(_), .. } => {
-                "sample the motion more finely, or use a larger analysis.tip_tolerance"
+                "sample the motion more finely, in `trajectory` with a shorter --step, or use a larger analysis.tip_tolerance"
             }
             Self::TipMissed { shortfall: Shortfall::Noise, .. } => {
                 "use an analysis.tip_tolerance above the noise, or write the motion with more digits"

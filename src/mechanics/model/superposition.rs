@@ -180,7 +180,7 @@ impl Model for Superposition {
         let coordinates = self.coordinates(omega_rad_s);
         let of_mode = |((mode_rad_s, _), (q, share)): (&(f64, Share), &(Complex64, &Share))| {
             let undamped = mode_rad_s * mode_rad_s - omega_rad_s * omega_rad_s;
-            // What the torque does beside stiffness and inertia: `p = q (ω_k² − ω²) + q 2iζω_kω`.
+            // Damping takes the second term of the modal load `p = q (ω_k² − ω²) + q 2iζω_kω`.
             (share.hub_angle - q * undamped) * share.moments[0]
         };
         let damped: Complex64 = self.modes.iter().zip(&coordinates).map(of_mode).sum();

@@ -72,8 +72,6 @@ pub struct StoredArc {
     pub origin_rad: f64,
     /// Motion of the tip.
     pub tip: TipMotionHistories,
-    /// Deflection w in m from the hub's tangent line, if the folder has it for all or some nodes.
-    pub deflections_m: Option<StoredNodes>,
 }
 
 /// One joint: histories, and its numbers in the summary.
@@ -136,6 +134,9 @@ pub struct StoredLink {
     pub nodes_m: Vec<f64>,
     /// x and y of the nodes in m, at `nodal_times_s` of the arm; empty for a single link.
     pub positions_m: Vec<[Vec<f64>; 2]>,
+    /// Deflection w in m from the tangent line of a single link's hub, of an arm's link from its chord, if the folder has it
+    /// for all or some nodes.
+    pub deflections_m: Option<StoredNodes>,
     /// Bending moment in N m, if the folder has it.
     pub moments_n_m: Option<StoredNodes>,
 }

@@ -66,7 +66,7 @@ fn assert_histories(bench: &Bench, folder: &str, run: &StoredRun) {
 
 /// The deflections of a run of one link.
 fn deflections(run: &StoredRun) -> StoredNodes {
-    run.arc.as_ref().unwrap().deflections_m.clone().unwrap()
+    run.links[0].deflections_m.clone().unwrap()
 }
 
 /// The bending moments of a run of one link.

@@ -60,7 +60,7 @@ fn a_missing_file_is_told_by_its_name() {
         if name.starts_with("nodal") || name.starts_with("bending") {
             let run = bench.run_of("out");
             assert_eq!(run.links[0].moments_n_m.is_none(), name.starts_with("bending"));
-            assert!(run.arc.unwrap().deflections_m.is_some());
+            assert!(run.links[0].deflections_m.is_some());
         } else {
             assert_eq!(bench.refusal("out").0, format!("out: {name} is missing: {A_RUN}"));
         }
