@@ -123,6 +123,13 @@ damping = { model = 'rayleigh', alpha = 0.3, beta = 1e-3 }\n";
         assert!(std::fs::read(bench.path(file)).unwrap().starts_with(head), "{file}");
     }
     bench.refuses(2, "modes link.toml --state-space s.csv", "must end in .npz, .mat or .json");
+    let upright = "modes specs/carriages/sheet.toml --state-space s.json";
+    let modal = "--set damping={model='modal',ratios=[0.02,0.01]}";
+    bench.refuses(
+        4,
+        &format!("{upright} {modal}"),
+        "the ratios of modal damping are those without weight",
+    );
     bench.refuses(2, "modes link.toml --state-space s.json --stations 1.2", "--stations = 1.2 m");
     bench.refuses(2, "modes link.toml --residual", "--state-space");
     bench.refuses(2, "modes link.toml --state-space link.toml", "must end in");

@@ -404,7 +404,7 @@ fn what_cannot_be_studied_is_refused_by_its_key() {
     refused(2, &[], "nothing is uncertain");
     // The hint has a form that the file takes, where there is one.
     refused(3, &["--uncertain", "payload.mass=±20 g"], "give its values: payload.mass=LOW..HIGH");
-    refused(3, &["--uncertain", "EI*=±5%"], "hint: set a value with `=`");
+    refused(3, &["--uncertain", "EI*=±5%"], "hint: EI is a key of segments: segments.*.EI");
     refused(3, &["--uncertain", "payload.mass=-0.02..0.02"], "payload.mass = -0.02");
     let of_end = "damping.ratio = 1.5, but must lie in [0, 1)";
     refused(3, &["--uncertain", "damping.ratio=0.5..1.5"], of_end);

@@ -1,5 +1,7 @@
 //! `solve --write --with`: rows of a drive, in its units and counts, and `simulate` that takes a table back.
 
+use std::f64::consts::TAU;
+
 use super::{Bench, LINK, MOTION, apart, column, number, stderr, stdout};
 
 /// A law of damping that has an equation in time: a simulation of the table finds the same.
@@ -157,4 +159,45 @@ fn rounding_cycle_and_hold_cost_what_they_must() {
     let velocity =
         number(&super::json_of(&bench.run(&velocity)), "table/tip_errors/velocity/share");
     assert!(velocity < 1e-4, "{velocity}");
+}
+
+/// Held values of a cycle that turns on follow its turning: stairs lead the angle by half a step, lines meet it.
+#[test]
+fn a_turning_cycle_is_held_without_ringing() {
+    let bench = Bench::new();
+    bench.sampled("turning.csv", "time,velocity", 0..80, |k| {
+        [0.0125 * k, 0.6 + 0.3 * (TAU * k / 80.0).sin()]
+    });
+    let solve = format!("solve {LINK} turning.csv {DAMPED} --periodic -q -o out --digits full");
+    let held = |hold: &str| {
+        bench.done(&format!("{solve} --write p.csv --with position --hold {hold}"));
+        column(&bench, "p.csv", "hub_angle_rad")
+    };
+    let (stairs, lines) = (held("zero"), held("linear"));
+    let angle_rad = column(&bench, "out/hub_angle.csv", "hub_angle_rad");
+    let between: Vec<f64> = angle_rad.windows(2).map(|two| (two[0] + two[1]) / 2.0).collect();
+    // The angle turns by 5e-3 rad in a step, and bends away from a line by 3e-5 rad at most.
+    let off = |held: &[f64], wanted: &[f64]| {
+        held.iter().zip(wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let found = [off(&stairs, &between), off(&lines, &angle_rad)];
+    assert!(found.iter().all(|off| *off < 1e-4), "{found:?}");
+}
+
+#[test]
+fn velocities_of_a_cycle_that_drift_are_not_played() {
+    let bench = Bench::new();
+    bench.sampled("turning.csv", "time,velocity", 0..80, |k| {
+        let (once, twice) = ((TAU * k / 80.0).sin(), (TAU * k / 40.0).cos());
+        [0.0125 * k, 0.6 + 0.3 * once + 0.1 * twice]
+    });
+    let told = |counts: &str| {
+        let write = format!("--write v.csv --with velocity --hold zero {counts}");
+        let text = stdout(&bench.run(&format!("solve {LINK} turning.csv --periodic {write}")));
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let (drifts, exact) = (told("--counts velocity=103/2rad/s"), told(""));
+    let reason = "and the position drifts by this in each cycle";
+    assert!(drifts.contains("not played") && drifts.contains(reason), "{drifts}");
+    assert!(!exact.contains("not played") && exact.contains("tip off at the rows"), "{exact}");
 }

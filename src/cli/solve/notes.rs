@@ -123,11 +123,17 @@ impl Told<'_> {
             format!("{table} moves the tip off by {share} of its travel, more than {allowed}");
         let hint = match (options.window, options.counts.is_empty()) {
             (Some(_), false) => "use a smaller --window, finer counts or a shorter --cycle",
+            (None, false) if options.hold == Some(Hold::Linear) => {
+                "use finer counts or a shorter --cycle"
+            }
             (None, false) => "use finer counts, a shorter --cycle or --hold linear",
             (Some(_), true) if *held != Held::Effort => {
                 "use a smaller --window or a shorter --cycle"
             }
             (Some(_), true) => words.smaller,
+            (None, true) if options.cycle.is_some() && options.hold.is_some() => {
+                "use a shorter --cycle"
+            }
             (None, true) if options.cycle.is_some() => {
                 "use a shorter --cycle, or --hold as the drive has it"
             }
