@@ -175,7 +175,7 @@ fn a_turning_cycle_is_held_without_ringing() {
     };
     let (stairs, lines) = (held("zero"), held("linear"));
     let angle_rad = column(&bench, "out/hub_angle.csv", "hub_angle_rad");
-    let between: Vec<f64> = angle_rad.windows(2).map(|two| (two[0] + two[1]) / 2.0).collect();
+    let between: Vec<f64> = angle_rad.windows(2).map(|two| f64::midpoint(two[0], two[1])).collect();
     // The angle turns by 5e-3 rad in a step, and bends away from a line by 3e-5 rad at most.
     let off = |held: &[f64], wanted: &[f64]| {
         held.iter().zip(wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
