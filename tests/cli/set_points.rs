@@ -161,13 +161,20 @@ fn rounding_cycle_and_hold_cost_what_they_must() {
     assert!(velocity < 1e-4, "{velocity}");
 }
 
+/// A bench with turning.csv, a cycle that turns on, with a velocity in m/s of twice its frequency.
+fn turning(twice_m_s: f64) -> Bench {
+    let bench = Bench::new();
+    bench.sampled("turning.csv", "time,velocity", 0..80, |k| {
+        let (once, twice) = ((TAU * k / 80.0).sin(), (TAU * k / 40.0).cos());
+        [0.0125 * k, 0.6 + 0.3 * once + twice_m_s * twice]
+    });
+    bench
+}
+
 /// Held values of a cycle that turns on follow its turning: stairs lead the angle by half a step, lines meet it.
 #[test]
 fn a_turning_cycle_is_held_without_ringing() {
-    let bench = Bench::new();
-    bench.sampled("turning.csv", "time,velocity", 0..80, |k| {
-        [0.0125 * k, 0.6 + 0.3 * (TAU * k / 80.0).sin()]
-    });
+    let bench = turning(0.0);
     let solve = format!("solve {LINK} turning.csv {DAMPED} --periodic -q -o out --digits full");
     let held = |hold: &str| {
         bench.done(&format!("{solve} --write p.csv --with position --hold {hold}"));
@@ -186,11 +193,7 @@ fn a_turning_cycle_is_held_without_ringing() {
 
 #[test]
 fn velocities_of_a_cycle_that_drift_are_not_played() {
-    let bench = Bench::new();
-    bench.sampled("turning.csv", "time,velocity", 0..80, |k| {
-        let (once, twice) = ((TAU * k / 80.0).sin(), (TAU * k / 40.0).cos());
-        [0.0125 * k, 0.6 + 0.3 * once + 0.1 * twice]
-    });
+    let bench = turning(0.1);
     let told = |counts: &str| {
         let write = format!("--write v.csv --with velocity --hold zero {counts}");
         let text = stdout(&bench.run(&format!("solve {LINK} turning.csv --periodic {write}")));

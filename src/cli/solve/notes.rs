@@ -131,13 +131,9 @@ impl Told<'_> {
                 "use a smaller --window or a shorter --cycle"
             }
             (Some(_), true) => words.smaller,
-            (None, true) if options.cycle.is_some() && options.hold.is_some() => {
-                "use a shorter --cycle"
-            }
-            (None, true) if options.cycle.is_some() => {
-                "use a shorter --cycle, or --hold as the drive has it"
-            }
-            (None, true) => "use a motion with a shorter step",
+            (None, true) if options.cycle.is_none() => "use a motion with a shorter step",
+            (None, true) if options.hold.is_some() => "use a shorter --cycle",
+            (None, true) => "use a shorter --cycle, or --hold as the drive has it",
         };
         Some(Notice::new("table_moves_tip", &message, hint).worded(self.arm))
     }

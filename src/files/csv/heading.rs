@@ -470,14 +470,13 @@ impl Heading {
     /// seconds it would be 30000 years or more.
     pub(super) fn instant(
         &mut self,
-        field: &str,
+        (field, number): (&str, f64),
         notes: Option<&mut Vec<String>>,
     ) -> Option<ClockTime> {
         /// Digits that are exact in a float, and s of 28 and of 133 years.
         const EXACT: usize = 15;
         const FAR_S: f64 = 883_612_800.0;
         const FARTHEST_S: f64 = 4.2e9;
-        let number = field.parse::<f64>().ok()?;
         let units = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
         let is_of = |(_, unit_s): &(&str, f64)| (FAR_S..FARTHEST_S).contains(&(number * unit_s));
         if let (Some(notes), false) = (notes, self.has_measure())

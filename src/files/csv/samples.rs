@@ -474,12 +474,12 @@ impl Samples {
         }
         let heading = &mut self.headings[column];
         let is_first = self.lines.is_empty();
-        let count = heading.instant(field, is_first.then_some(&mut self.reading.found));
-        let is_count = count.is_some();
-        let read = count.or_else(|| {
-            let is_number = field.parse::<f64>().is_ok();
-            if is_number { None } else { ClockTime::parse(field) }
-        });
+        let notes = is_first.then_some(&mut self.reading.found);
+        let number = field.parse().ok();
+        let read = match number {
+            Some(number) => heading.instant((field, number), notes),
+            None => ClockTime::parse(field),
+        };
         let now = match (read, &self.clock) {
             (Some(now), Some(_)) => now,
             (Some(now), None) if is_first => now,
@@ -489,7 +489,7 @@ impl Samples {
             }
             (_, None) => return Ok(self.start_s + read_number(field, heading, place)?),
         };
-        if heading.has_measure() && !is_count {
+        if heading.has_measure() && number.is_none() {
             let must = format!("must be a number of {}", heading.unit_text);
             let error = place.refuse(&heading.name, quoted(field), must);
             let hint = "a date or a time of day has no unit and no factor: leave them out";

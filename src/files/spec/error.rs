@@ -219,7 +219,7 @@ impl de::Error for Misfit {
     }
 }
 
-/// Keys that every segment has.
+/// Keys of a segment for which a hint names the whole path.
 const OF_SEGMENTS: [&str; 10] = [
     "length",
     "EI",
