@@ -388,7 +388,7 @@ fn of_joint(joint: &Joint, text: &str, before: &str) -> String {
 }
 
 /// Meanings of the kinds of warnings of a sweep's cases.
-const WARNINGS: [(&str, &str); 36] = [
+const WARNINGS: [(&str, &str); 37] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),
     (
@@ -438,6 +438,7 @@ const WARNINGS: [(&str, &str); 36] = [
     ("begins_with_jump", "The torque does not begin at zero: it jumps there."),
     ("ends_with_jump", "The torque does not end at zero: it drops there."),
     ("hub_begins_moving", "The hub moves at once, but the link is taken to start at rest."),
+    ("hub_ends_moving", "The hub still moves in its last row, but is taken to stop there."),
     (
         "rough_torque",
         "The torque that moves the hub is rough: digits or noise of the hub's angle make it.",

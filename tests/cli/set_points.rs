@@ -204,3 +204,59 @@ fn velocities_of_a_cycle_that_drift_are_not_played() {
     assert!(drifts.contains("not played") && drifts.contains(reason), "{drifts}");
     assert!(!exact.contains("not played") && exact.contains("tip off at the rows"), "{exact}");
 }
+
+/// A cut leaves the carriage of a table some speed in its last row, where the drive and the simulation stop it.
+#[test]
+fn a_cut_table_of_positions_simulates_to_its_claim() {
+    let bench = Bench::new();
+    let words = ["trajectory", "septic", "--distance", "200 mm", "--duration", "600 ms"];
+    bench.done(&[&words[..], &["--step", "1 ms", "-o", "move.csv"]].concat());
+    let link = "specs/carriages/sheet.toml";
+    let level = ["--set", "gravity=[0, 0]"];
+    for hold in ["", "--hold linear"] {
+        let write = format!(
+            "solve {link} move.csv --write p.csv --with position --cycle 2e-3 --window 0.01% {hold} --json -o out"
+        );
+        let reply = super::json_of(&bench.run(&super::with(&write, &level)));
+        let claimed = number(&reply, "table/tip_error/share");
+        let play = format!("simulate {link} p.csv --input carriage --target out/tip.csv");
+        let told = bench.told(&super::with(&play, &level));
+        let found = bench.number("simulated", "tip_error/share");
+        assert!((1e-4..2e-4).contains(&claimed), "{hold}: {claimed}");
+        assert!((found / claimed - 1.0).abs() < 0.05, "{hold}: {found} {claimed} {told}");
+    }
+}
+
+/// Values for stairs lead their curve by half a cycle: nothing but stairs is played of them.
+#[test]
+fn a_table_for_stairs_is_played_as_stairs_alone() {
+    let bench = Bench::new();
+    let cycle = format!("{DAMPED} -o out -q --cycle 2e-3");
+    bench.solve(&format!("{cycle} --write both.csv --with effort,position --hold zero"));
+    bench.solve(&format!("{cycle} --write smooth.csv --with effort,position"));
+    let held = "# motion begins at 0 s, in its file at 0 s, held to the next row\n";
+    assert!(bench.read("both.csv").starts_with(held), "{}", &bench.read("both.csv")[..99]);
+    let message = "both.csv: each row is held to the next, as its comment says, but must be samples of a smooth curve";
+    let around = |options: &str| format!("simulate {LINK} {options} {DAMPED} --feedback 200,5 -q");
+    for (play, hint) in [
+        (format!("simulate {LINK} both.csv {DAMPED}"), "use --hold zero"),
+        (format!("simulate {LINK} both.csv {DAMPED} --hold linear"), "use --hold zero"),
+        (
+            format!("simulate {LINK} both.csv {DAMPED} --input hub-angle"),
+            "write the table without --hold zero",
+        ),
+        (around("smooth.csv --reference both.csv"), "use --hold zero, which holds TORQUE, too"),
+    ] {
+        let text = stderr(&bench.ends(3, &play));
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(message) && words.contains(hint), "{play}: {text}");
+    }
+    // Torque and reference come as stairs, as the table is for: the tip is as near as that of the smooth table.
+    let strays = |options: &str| {
+        bench.done(&format!("{} --target {WANTED}", around(options)));
+        bench.number("simulated", "tip_error/share")
+    };
+    let stairs = strays("both.csv --hold zero --reference both.csv");
+    let late = strays("both.csv --hold zero --reference smooth.csv");
+    assert!(stairs < 1e-3 && stairs < 0.5 * late, "{stairs} {late}");
+}

@@ -83,8 +83,21 @@ impl HoldArgs {
         }
     }
 
-    /// Refuses times off a uniform step for a held torque, because a spline that makes them uniform rings at its steps.
-    pub(crate) fn refuse_jitter(&self, file: &InputFile, reading: &Reading) -> Result<(), Failure> {
+    /// Refuses rows that are for a drive that holds each to the next one, without --hold zero: they lead the curve by half a
+    /// step.
+    fn refuse_held(&self, shown: &str, reading: &Reading, hint: &str) -> Result<(), Failure> {
+        if !reading.is_held() || self.interpolation() == Interpolation::Zero {
+            return Ok(());
+        }
+        let must = "but must be samples of a smooth curve without --hold zero";
+        let message = format!("{shown}: each row is held to the next, as its comment says, {must}");
+        Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
+    }
+
+    /// Refuses torques that the table does not have in this course. A spline that makes times uniform rings at the steps of held
+    /// torques.
+    pub(crate) fn refuse(&self, file: &InputFile, reading: &Reading) -> Result<(), Failure> {
+        self.refuse_held(&file.shown, reading, "use --hold zero")?;
         if !reading.is_interpolated() || self.interpolation() == Interpolation::Cubic {
             return Ok(());
         }
@@ -107,7 +120,7 @@ impl HoldArgs {
 #[derive(Debug, Args)]
 pub(crate) struct MovingArgs {
     /// Quantity in TORQUE: the torque, or the hub angle (for an arm the angles of its joints), which the hub follows
-    /// exactly while the torque is computed. The hub rests before the first sample and keeps its rate after the last. On a
+    /// exactly while the torque is computed. The hub rests before the first sample and after the last. On a
     /// carriage the force, or the position of the carriage. `voltage` is that of the motor of [drive], of an arm `voltage1`,
     /// `voltage2`, …, as in motor.csv; the motor is shorted after the last sample [default: torque or force].
     #[arg(long, value_name = "KIND", value_enum)]
@@ -262,6 +275,8 @@ impl MovingArgs {
         let InputFile { shown, bytes, .. } = &input;
         let (moving, of_carriage, reading) = if self.is_moved() {
             let (mut hubs, reading) = read_joint_references(shown, bytes, joints, format)?;
+            let hint = "write the table without --hold zero; with it, `solve` plays it and prints the error of the tip";
+            self.hold.refuse_held(shown, &reading, hint)?;
             let own = with_carriage_moved(&mut hubs, (arm, path), format)?;
             (Moving::Angles(hubs), own, reading)
         } else if self.is_under_voltage() {
@@ -273,7 +288,9 @@ impl MovingArgs {
             let own = with_force(&mut torques, (arm, path), (&self.hold, format))?;
             (Moving::Torques(torques), own, reading)
         };
-        self.hold.refuse_jitter(&input, &reading)?;
+        if !self.is_moved() {
+            self.hold.refuse(&input, &reading)?;
+        }
         tell(shown, &reading);
         let (since, has_beginning) = (reading.since().cloned(), reading.has_beginning());
         let (mut references, mut of_reference) = (Vec::new(), None);
@@ -283,6 +300,8 @@ impl MovingArgs {
             let read = read_joint_references(&file.shown, &file.bytes, joints, &form);
             let (own, reading) = read.map_err(|error| name.refused(error.into()))?;
             name.tell(&file.shown, &reading);
+            let hint = "use --hold zero, which holds TORQUE, too, or write the table without it";
+            self.hold.refuse_held(&file.shown, &reading, hint)?;
             references = own;
             of_reference = with_carriage_moved(&mut references, (arm, path), &form)?;
             if has_beginning || reading.has_beginning() {
@@ -584,7 +603,7 @@ fn with_force(
     let read = |file: &InputFile| read_joint_torques(&file.shown, &file.bytes, ALONE, format);
     let own = with_carriage(torques, of, ["force.csv", "force"], (read, Torque::grid, format))?;
     let Some((file, reading)) = own else { return Ok(None) };
-    hold.refuse_jitter(&file, &reading)?;
+    hold.refuse(&file, &reading)?;
     Ok(Some(file))
 }
 

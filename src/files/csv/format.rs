@@ -347,6 +347,11 @@ impl Reading {
         self.begins.is_some()
     }
 
+    /// True if a comment says that each row is for a converter or a drive that holds it to the next one.
+    pub fn is_held(&self) -> bool {
+        self.begins.is_some_and(|begins| begins.is_held)
+    }
+
     /// Treatment of times off a uniform grid, and a remedy.
     pub fn jitter(&self) -> Option<(&str, &str)> {
         Some((self.jitter.as_deref()?, "resample the file to a uniform step"))

@@ -280,10 +280,9 @@ impl SetPointFile<'_> {
 
     /// The line that says when the motion begins.
     pub(super) fn begins(&self) -> MotionBegins {
-        MotionBegins {
-            time_s: self.table.moves_from_s(),
-            in_file_s: self.table.moves_from_in_file_s(),
-        }
+        let (table, held) = (self.table, Interpolation::Zero);
+        let times_s = [table.moves_from_s(), table.moves_from_in_file_s()];
+        MotionBegins::new(times_s[0], times_s[1], table.interpolation() == held)
     }
 
     /// Description of the columns beside the time.

@@ -13,7 +13,7 @@ use super::played::{Played, PlayedBy, PlayedLink};
 use super::stepper::Stepper;
 use crate::link::{Arm, Drive};
 use crate::modal::{DampingLaw, Shape, buckling_share};
-use crate::numeric::{CubicSpline, SplineEnds, extremes, largest, largest_difference};
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, extremes, largest, largest_difference};
 
 /// Balance of energy at one time, in J.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -230,21 +230,18 @@ const IMBALANCE: f64 = 1e-3;
 /// Warnings of a link with weight or at large angles, or of an arm.
 pub(super) fn of_bent(
     arm: &Arm,
-    play: &Play<'_>,
+    (play, grid): (&Play<'_>, &TimeGrid),
     motion: &BentMotion,
     first: &PlayedLink,
 ) -> Vec<SimulationWarning> {
     let is_link = arm.links().len() == 1;
     let mut warnings = match play.input {
-        _ if play.cycle_turn_rad.is_some() => Vec::new(),
-        Input::Torques(torques) if arm.has_weight() || !is_link => {
+        Input::Torques(torques)
+            if play.cycle_turn_rad.is_none() && (arm.has_weight() || !is_link) =>
+        {
             of_torques(arm, torques, play, motion)
         }
-        Input::Angles(_) if !is_link => Vec::new(),
-        input => {
-            let [begins, ends] = input.warnings(&motion.joints[0].torque_n_m);
-            begins.filter(|_| play.state.is_none()).into_iter().chain(ends).collect()
-        }
+        _ => play.warnings_of_input((grid, &motion.joints[0].torque_n_m)),
     };
     let share = first.outward_m_s2.map(|own| buckling_share(&first.mesh, own));
     if let Some(share) = share.filter(|share| *share >= 1.0) {

@@ -211,13 +211,34 @@ pub enum SimulationWarning {
     },
     /// A hub that already moves at its first sample.
     #[error(
-        "the hub angle begins with {:?} rad/s, {:.1} % of its peak rate: the hub rests before its first sample, and \
+        "{} begins with {:?} rad/s, {:.1} % of its peak rate: {} rests before its first sample, and \
          starts within the first step",
+        angle(*joint),
         rounded(*rate_rad_s, 4),
-        100.0 * share
+        100.0 * share,
+        if joint.is_some() { "the joint" } else { "the hub" }
     )]
     HubBeginsMoving {
+        /// Number of the joint of an arm, from 1.
+        joint: Option<usize>,
         /// Rate at the first sample in rad/s.
+        rate_rad_s: f64,
+        /// The same over the peak.
+        share: f64,
+    },
+    /// A hub that still moves at its last sample, where the simulation goes on.
+    #[error(
+        "{} ends with {:?} rad/s, {:.1} % of its peak rate: {} rests after its last sample, and the torque \
+         leaves out the impulse that stops it",
+        angle(*joint),
+        rounded(*rate_rad_s, 4),
+        100.0 * share,
+        if joint.is_some() { "the joint" } else { "the hub" }
+    )]
+    HubEndsMoving {
+        /// Number of the joint of an arm, from 1.
+        joint: Option<usize>,
+        /// Rate at the last sample in rad/s.
         rate_rad_s: f64,
         /// The same over the peak.
         share: f64,
@@ -353,6 +374,11 @@ fn torque(joint: Option<usize>) -> String {
     joint.map_or("the torque".to_owned(), |joint| format!("torque{joint}"))
 }
 
+/// Name of the angle of a joint in messages.
+fn angle(joint: Option<usize>) -> String {
+    joint.map_or("the hub angle".to_owned(), |joint| format!("angle{joint}"))
+}
+
 impl SimulationWarning {
     /// Name of the kind in summary.json.
     pub fn kind(&self) -> &'static str {
@@ -360,6 +386,7 @@ impl SimulationWarning {
             Self::BeginsWithJump { .. } => "begins_with_jump",
             Self::EndsWithJump { .. } => "ends_with_jump",
             Self::HubBeginsMoving { .. } => "hub_begins_moving",
+            Self::HubEndsMoving { .. } => "hub_ends_moving",
             Self::RoughTorque { .. } => "rough_torque",
             Self::CoarseStep { .. } => "coarse_step",
             Self::InexactModel { .. } => "inexact_model",
@@ -384,6 +411,9 @@ impl SimulationWarning {
                 "use a torque that begins and ends at zero, as that of solve for an uncut window and a tip at rest"
             }
             Self::HubBeginsMoving { .. } => "use a recording that begins at rest",
+            Self::HubEndsMoving { .. } => {
+                "use a recording that ends at rest, or an earlier --until"
+            }
             Self::RoughTorque { .. } => {
                 "compare the tip, or record the hub with more counts or at a longer step"
             }
@@ -432,11 +462,15 @@ impl SimulationWarning {
         [is_jump(first).then_some(begins), is_jump(last).then_some(ends)]
     }
 
-    /// A warning of a hub that already moves at its first sample.
-    pub(super) fn hub_begins(rate_rad_s: &[f64]) -> Option<Self> {
-        let first = rate_rad_s[0];
-        let share = first.abs() / largest(rate_rad_s);
-        (share > MOVES).then_some(Self::HubBeginsMoving { rate_rad_s: first, share })
+    /// Warnings of a hub, or of a joint of an arm by its number, that moves at its first or its last sample.
+    pub(super) fn hub_moves(joint: Option<usize>, rate_rad_s: &[f64]) -> [Option<Self>; 2] {
+        let peak = largest(rate_rad_s);
+        let share = |rate_rad_s: f64| rate_rad_s.abs() / peak;
+        let (first, last) = (rate_rad_s[0], rate_rad_s[rate_rad_s.len() - 1]);
+        let begins = Self::HubBeginsMoving { joint, rate_rad_s: first, share: share(first) };
+        let ends = Self::HubEndsMoving { joint, rate_rad_s: last, share: share(last) };
+        let moves = |rate_rad_s: f64| share(rate_rad_s) > MOVES;
+        [moves(first).then_some(begins), moves(last).then_some(ends)]
     }
 
     /// A warning of a torque as rough as noise.

@@ -85,20 +85,15 @@ pub(super) fn play_modes(
     let moves_m = (bends_m, tip.largest_travel_m());
     let vibration = (omega_rad_s, grid.duration_s());
     let model_error = PlayedModelError::of(shares, moves_m, residual.as_ref(), vibration);
-    let [begins, ends] = play.input.warnings(&torque_n_m);
-    let cut = SimulationWarning::StateCut { share: left_out };
-    let begins = match play.state {
-        Some(_) => (left_out > LEFT_OUT).then_some(cut),
-        None => begins,
-    };
-    let is_once = play.cycle_turn_rad.is_none();
-    let [begins, ends] = if is_once { [begins, ends] } else { [None, None] };
+    let is_cut = play.state.is_some() && left_out > LEFT_OUT;
+    let cut = is_cut.then_some(SimulationWarning::StateCut { share: left_out });
+    let of_input = play.warnings_of_input((&grid, &torque_n_m));
     // Without a vibration the rows need not show it.
     let vibrates = residual.is_none_or(|residual| residual.share > VIBRATES);
     let coarse = SimulationWarning::coarse_step(grid.step_s, equations.first_period_s());
     let coarse = coarse.filter(|_| vibrates);
-    let warnings = [begins, ends, coarse, model_error.warning(), unsettled];
-    let warnings = warnings.into_iter().flatten().collect();
+    let others = [coarse, model_error.warning(), unsettled];
+    let warnings = cut.into_iter().chain(of_input).chain(others.into_iter().flatten()).collect();
     let hub = JointMotion {
         torque_n_m,
         net_n_m: None,

@@ -32,12 +32,12 @@ pub enum Input<'a> {
     /// torque stays. The torque of a joint turns its link counterclockwise and the link before the other way.
     Torques(&'a [Torque]),
     /// The hub angle, or the angle of each joint, followed exactly. The joints are at rest before the first sample, unless a
-    /// linear link [arrives](HubReference::arriving) there, and turn on at their rates after the last one.
+    /// linear link [arrives](HubReference::arriving) there, and at rest after the last one.
     ///
     /// The angle between the samples is a quintic spline without rate and acceleration at the start; rates of the
     /// reference have no effect. With [`Interpolation::Zero`] the joint jumps from sample to sample, and with
-    /// [`Interpolation::Linear`] it moves along straight lines; after the last sample it then rests. The torques of
-    /// these motions contain no impulses.
+    /// [`Interpolation::Linear`] it moves along straight lines. The torques contain no impulses: neither of these motions nor of a
+    /// joint that stops at its last sample.
     Angles(&'a [HubReference]),
 }
 
@@ -66,17 +66,6 @@ impl Input<'_> {
         match self {
             Self::Torques(torques) => torques[0].grid(),
             Self::Angles(hubs) => hubs[0].grid(),
-        }
-    }
-
-    /// Warnings of the first and the last sample, or of the torque for a hub angle.
-    pub(super) fn warnings(&self, torque_n_m: &[f64]) -> [Option<SimulationWarning>; 2] {
-        match self {
-            Self::Torques(torques) => SimulationWarning::jumps(torques[0].torque_n_m()),
-            Self::Angles(hubs) => [
-                SimulationWarning::hub_begins(&hubs[0].slopes_rad_s(false)),
-                SimulationWarning::rough(&torque_n_m[..hubs[0].grid().len]),
-            ],
         }
     }
 }
@@ -198,6 +187,42 @@ impl<'a> Play<'a> {
     /// The input's grid, continued to the requested end.
     pub(super) fn grid(&self) -> Result<TimeGrid, SimulationError> {
         continued(self.input.grid(), self.until_s)
+    }
+
+    /// True for prescribed joints that stop at their last sample, because the play goes on after it.
+    fn stops(&self, grid: &TimeGrid) -> bool {
+        let goes_on = grid.len > self.input.grid().len;
+        goes_on && !self.input.is_torque() && self.cycle_turn_rad.is_none()
+    }
+
+    /// Warnings of the torque of a link without weight or of prescribed joints that do not repeat, at the first and the last
+    /// sample, and of the torque that moves the hub of a link.
+    pub(super) fn warnings_of_input(
+        &self,
+        (grid, torque_n_m): (&TimeGrid, &[f64]),
+    ) -> Vec<SimulationWarning> {
+        if self.cycle_turn_rad.is_some() {
+            return Vec::new();
+        }
+        let of = |[begins, ends]: [Option<SimulationWarning>; 2]| {
+            begins.filter(|_| self.state.is_none()).into_iter().chain(ends)
+        };
+        match self.input {
+            Input::Torques(torques) => {
+                of(SimulationWarning::jumps(torques[0].torque_n_m())).collect()
+            }
+            Input::Angles(hubs) => {
+                let is_arm = hubs.len() > 1;
+                let joints = (1..).zip(hubs).flat_map(|(number, hub)| {
+                    let joint = is_arm.then_some(number);
+                    let [begins, ends] =
+                        SimulationWarning::hub_moves(joint, &hub.slopes_rad_s(false));
+                    of([begins, ends.filter(|_| self.stops(grid))])
+                });
+                let rough = SimulationWarning::rough(&torque_n_m[..hubs[0].grid().len]);
+                joints.chain(rough.filter(|_| !is_arm)).collect()
+            }
+        }
     }
 
     /// Frequency in rad/s above which the input moves a rigid link by less than a `share`. `None` for an input of zero.
@@ -370,10 +395,15 @@ impl<'a> Play<'a> {
                     let jumps = hub.jumps(is_stairs, turn_rad);
                     return Ok(Driving::jumping(jumps, turn_rad.is_some()));
                 }
-                let (samples, pieces, _) = hub.accelerations(turn_rad);
+                let (samples, pieces, [_, last_rad_s]) = hub.accelerations(turn_rad);
+                let mut jumps = vec![[0.0; 2]; samples.len()];
+                jumps[0][0] = hub.first_jump_rad();
+                if self.stops(&self.grid()?) {
+                    jumps[samples.len() - 1][1] = -last_rad_s;
+                }
                 return Ok(Driving {
                     repeats: turn_rad.is_some(),
-                    jumps: vec![[hub.first_jump_rad(), 0.0]],
+                    jumps,
                     ..Driving::new(samples, pieces)
                 });
             }

@@ -147,7 +147,7 @@ fn play_bent(
             joint.holding_n_m = joint.holding_n_m.map(|own| without_noise(own, size));
         }
     }
-    let warnings = of_bent(arm, play, &motion, &played[0]);
+    let warnings = of_bent(arm, (play, &grid), &motion, &played[0]);
     Ok(of_motion(motion, (grid, play.input.grid().len), played, warnings))
 }
 

@@ -68,6 +68,16 @@ impl SetPointColumn {
     pub fn whole(&self) -> &[f64] {
         &self.values
     }
+
+    /// Filters the values about the ramp of a joint that turns on with each cycle. The ramp is ahead by `from` steps, and by `to`
+    /// steps afterwards.
+    fn filter(&mut self, [from, to]: [f64; 2], filter: impl Fn(&[f64]) -> Vec<f64>) {
+        let slope = self.turn / self.values.len() as f64;
+        let ramp = |k: usize, ahead: f64| slope * (k as f64 + ahead);
+        let level = self.values.iter().enumerate().map(|(k, own)| own - ramp(k, from));
+        let level = filter(&level.collect::<Vec<f64>>()).into_iter().enumerate();
+        self.values = level.map(|(k, own)| own + ramp(k, to)).collect();
+    }
 }
 
 /// Set-points of all joints, or the torques alone, as a controller plays them.
@@ -331,23 +341,16 @@ impl SetPoints {
     /// `sinc²(ωh/2)`; the correction divides by this factor.
     #[must_use]
     pub fn held(mut self, interpolation: Interpolation, ends: Ends) -> Self {
-        // A joint that turns on with each cycle has a ramp, which held values follow half a step late.
-        let late = if interpolation == Interpolation::Zero { 0.5 } else { 0.0 };
-        for column in &mut self.columns {
-            let slope = column.turn / column.values.len() as f64;
-            let level = (0..).zip(&column.values).map(|(k, own)| own - slope * f64::from(k));
-            let level = for_hold(&level.collect::<Vec<f64>>(), interpolation, ends);
-            let ramp = |k: i32| slope * (f64::from(k) + late);
-            column.values = (0..).zip(level).map(|(k, own)| own + ramp(k)).collect();
-        }
+        let filter = |level: &[f64]| for_hold(level, interpolation, ends);
+        self.columns.iter_mut().for_each(|own| own.filter([0.0, late(interpolation)], filter));
         Self { interpolation, ..self }
     }
 
     /// The table of smooth curves that a drive follows up to the Nyquist frequency while it holds the values of this one.
     pub(crate) fn smoothed(mut self, ends: Ends) -> Self {
-        for column in &mut self.columns {
-            column.values = of_hold(&column.values, self.interpolation, ends);
-        }
+        let interpolation = self.interpolation;
+        let filter = |level: &[f64]| of_hold(level, interpolation, ends);
+        self.columns.iter_mut().for_each(|own| own.filter([late(interpolation), 0.0], filter));
         Self { interpolation: Interpolation::Cubic, ..self }
     }
 
@@ -622,6 +625,11 @@ fn of_motor(motor: &MotorHistories, step_s: f64, set_point: SetPoint) -> Vec<f64
         }
         SetPoint::Effort => motor.torque_n_m.clone(),
     }
+}
+
+/// Part of a step by which held values follow a ramp late.
+fn late(interpolation: Interpolation) -> f64 {
+    if interpolation == Interpolation::Zero { 0.5 } else { 0.0 }
 }
 
 /// Samples that, each held for a step or joined by straight lines, have the amplitudes of these samples up to the Nyquist

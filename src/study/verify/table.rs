@@ -7,7 +7,7 @@ use super::playback::{initial, simulated, torque_on, turn_of_cycle_rad, under_to
 use crate::beam::MeshPlan;
 use crate::inverse::Solution;
 use crate::link::{Arm, Drive, Link, LinkParts};
-use crate::motion::{Ends, Motion, TipMotionHistories};
+use crate::motion::{Ends, Motion, TipMotionHistories, wrapped};
 use crate::numeric::{TimeCurve, TimeGrid, largest, rounded};
 use crate::response::{
     ArmPose, Feedback, HubReference, Input, Interpolation, Play, Played, SimulationError, Start,
@@ -159,7 +159,6 @@ impl Player<'_> {
         let is_stiff = |own: &Drive| own.joint_stiffness_n_m_rad.is_infinite();
         let is_split = !self.is_linear
             && held != Held::Effort
-            && ends != Ends::Periodic
             && table.interpolation() != Interpolation::Cubic
             && self.solution.second_order.is_some()
             && self.solution.arm.alone().is_some()
@@ -178,8 +177,14 @@ impl Player<'_> {
         }
         let own = table.played_grid();
         let played = self.played(&own, table.played(held), held)?;
-        let on_grid = |tip: &TipMotionHistories| {
-            TimeCurve::resampled(&tip.displacement_m, own, grid).into_owned()
+        let on_grid = |tip: &TipMotionHistories| match &self.solution.motion {
+            // A finer grid goes on beyond the last row of a cycle.
+            Motion::Tip(motion) if motion.ends() == Ends::Periodic && own != *grid => {
+                let tip_m = wrapped(&tip.displacement_m, motion.travel_m(), 1);
+                let around = TimeGrid { first: own.first - 1, len: tip_m.len(), ..own };
+                TimeCurve::resampled(&tip_m, around, grid).into_owned()
+            }
+            _ => TimeCurve::resampled(&tip.displacement_m, own, grid).into_owned(),
         };
         Ok((played.change()[0], played.tip.iter().map(on_grid).collect()))
     }

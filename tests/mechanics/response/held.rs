@@ -210,7 +210,7 @@ fn work_is_what_is_stored_and_lost_whatever_the_law() {
 }
 
 #[test]
-fn a_hub_that_moves_at_its_start_is_told_and_one_that_rests_is_refused() {
+fn a_hub_that_moves_at_its_start_or_end_is_told_and_one_that_rests_is_refused() {
     let time_s: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
     let ramp = HubReference::new(&time_s, time_s.iter().map(|t| 0.1 * t).collect(), None).unwrap();
     let link = loaded(Damping::None);
@@ -218,10 +218,13 @@ fn a_hub_that_moves_at_its_start_is_told_and_one_that_rests_is_refused() {
     let warnings = turned(&link, &plan, &ramp).warnings;
     let told: Vec<_> = warnings.iter().map(SimulationWarning::kind).collect();
     assert_eq!(told[0], "hub_begins_moving", "{told:?}");
-    // It goes on at its rate.
+    // It stops at its last sample, of which a warning tells if the simulation goes on.
+    assert!(!told.contains(&"hub_ends_moving"), "{told:?}");
     let play = Play { until_s: Some(4.0), ..Play::turning(&ramp) };
     let found = played(&link, &plan, &play);
-    assert!((found.hub().angle_rad[400] - 0.4).abs() < 1e-9, "{}", found.hub().angle_rad[400]);
+    assert!(found.hub().angle_rad[199..].iter().all(|angle| (angle - 0.199).abs() < 1e-9));
+    let told: Vec<_> = found.warnings.iter().map(SimulationWarning::kind).collect();
+    assert_eq!(told[..2], ["hub_begins_moving", "hub_ends_moving"], "{told:?}");
     let still = HubReference::new(&time_s, vec![0.3; 200], None).unwrap();
     let error = simulate(&link, &plan, &Play::turning(&still)).unwrap_err();
     let expected = "the hub angle is the same in all samples, but must move the link";

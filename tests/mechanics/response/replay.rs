@@ -149,11 +149,13 @@ fn positions_held_from_a_moving_tip_on_move_it_off_as_claimed() {
     let angles = table.rows_of(&table.columns()[0]);
     let (hub, first_s) = (solution.hub(), table.grid().time_s(0));
     let mut stepper = Stepper::new(&matrices);
-    for (part, of_hub) in [hub.angle_rad[0], hub.rate_rad_s[0]].into_iter().enumerate() {
+    // The second integrator starts half a rise before the first cycle.
+    let start_rad = hub.angle_rad[0] - hub.rate_rad_s[0] * CYCLE_S / 40.0;
+    for (part, of_hub) in [start_rad, hub.rate_rad_s[0]].into_iter().enumerate() {
         let rigid = nodes_m.iter().skip(1).flat_map(|x_m| [x_m * of_hub, of_hub]);
         stepper.motion[part] = rigid.collect();
     }
-    let tips = replayed(stepper, first_s, hub.angle_rad[0], angles);
+    let tips = replayed(stepper, first_s, start_rad, angles);
     let [largest, rms_m] = largest_and_rms(&tips, passing_m);
     let claimed =
         table_error(&solution, std::slice::from_ref(&plan), (&table, Held::Position), None);
@@ -161,8 +163,8 @@ fn positions_held_from_a_moving_tip_on_move_it_off_as_claimed() {
     println!("{largest:e} and {:e}, rms {rms_m:e} and {:e}", claimed.worst_m, claimed.rms_m);
     // The first value that is held is half a cycle ahead: at 0.4 m/s the tip is 0.4 mm.
     assert!((1e-4..1e-3).contains(&claimed.worst_m), "{}", claimed.worst_m);
-    assert!((claimed.worst_m / largest - 1.0).abs() < 0.1, "{} {largest}", claimed.worst_m);
-    assert!((claimed.rms_m / rms_m - 1.0).abs() < 0.1, "{} {rms_m}", claimed.rms_m);
+    assert!((claimed.worst_m / largest - 1.0).abs() < 0.03, "{} {largest}", claimed.worst_m);
+    assert!((claimed.rms_m / rms_m - 1.0).abs() < 0.03, "{} {rms_m}", claimed.rms_m);
 }
 
 /// The claim of the table, and what the second integrator finds.
@@ -219,19 +221,20 @@ struct Rods {
     inertia_kg_m2: Vec<f64>,
     weight_n_m: Vec<f64>,
     spring_n_m: f64,
-    length_m: f64,
+    damped_s: f64,
     /// Angles and rates of the rods from the vertical.
     motion: Vec<[f64; 2]>,
 }
 
 const RODS: usize = 12;
-const DAMPED_S: f64 = 5e-3;
+const LENGTH_M: f64 = 1.5;
+const MASS_KG_M: f64 = 0.8;
 
 impl Rods {
-    /// A link of this length in m, stiffness in N m² and mass in kg/m, its payload in kg at the tip.
-    fn new([length_m, stiffness, mass, payload]: [f64; 4]) -> Self {
-        let rod_m = length_m / RODS as f64;
-        let rod_kg = mass * rod_m;
+    /// A link of this stiffness in N m², damping in s over the stiffness, and payload in kg at the tip.
+    fn new([stiffness, damped_s, payload]: [f64; 3]) -> Self {
+        let rod_m = LENGTH_M / RODS as f64;
+        let rod_kg = MASS_KG_M * rod_m;
         // Mass beyond the outer end of a rod.
         let beyond = |i: usize| payload + rod_kg * (RODS - 1 - i) as f64;
         let inertia = |k: usize| {
@@ -244,7 +247,7 @@ impl Rods {
             inertia_kg_m2: (0..RODS * RODS).map(inertia).collect(),
             weight_n_m: (0..RODS).map(weight).collect(),
             spring_n_m: stiffness / rod_m,
-            length_m,
+            damped_s,
             motion: vec![[0.0; 2]; RODS],
         }
     }
@@ -255,7 +258,7 @@ impl Rods {
         let bends = |i: usize| {
             let inner = if i == 0 { hub } else { motion[i - 1] };
             let factor = if i == 0 { 2.0 } else { 1.0 } * self.spring_n_m;
-            factor * (inner[0] - motion[i][0] + DAMPED_S * (inner[1] - motion[i][1]))
+            factor * (inner[0] - motion[i][0] + self.damped_s * (inner[1] - motion[i][1]))
         };
         let moments: Vec<f64> = (0..RODS).map(bends).collect();
         let mut right: Vec<f64> = (0..RODS)
@@ -318,19 +321,19 @@ impl Rods {
     /// The tip along its arc in m.
     fn tip_m(&self) -> f64 {
         let sum = |of: fn(f64) -> f64| self.motion.iter().map(|own| of(own[0])).sum::<f64>();
-        self.length_m * sum(f64::sin).atan2(sum(f64::cos))
+        LENGTH_M * sum(f64::sin).atan2(sum(f64::cos))
     }
 }
 
 /// Tips in m at the cycles, of a hub whose angle and rate from the start are known from cycle to cycle and time in it.
-fn swung(parts: [f64; 4], cycles: usize, hub: impl Fn(usize, f64) -> [f64; 2]) -> Vec<f64> {
-    let mut rods = Rods::new(parts);
-    let (rise_s, fine, coarse) = (CYCLE_S / 20.0, 8, 40);
+fn swung(mut rods: Rods, cycles: usize, hub: impl Fn(usize, f64) -> [f64; 2]) -> Vec<f64> {
+    let rise_s = CYCLE_S / 20.0;
     let mut tips = Vec::new();
     for cycle in 0..cycles {
         tips.push(rods.tip_m());
         let mut from_s = 0.0;
-        for (count, step_s) in [(fine, rise_s / 8.0), (coarse, (CYCLE_S - rise_s) / 40.0)] {
+        for (count, part_s) in [(24, rise_s), (100, CYCLE_S - rise_s)] {
+            let step_s = part_s / f64::from(count);
             for _ in 0..count {
                 rods.step(step_s, |time_s| hub(cycle, from_s + time_s));
                 from_s += step_s;
@@ -340,23 +343,25 @@ fn swung(parts: [f64; 4], cycles: usize, hub: impl Fn(usize, f64) -> [f64; 2]) -
     tips
 }
 
-/// Under its weight a link is an elastica, of which the steps move all shapes. They move the tip of rigid rods with springs
-/// as far: 1.461 mm, 1.465 mm of 12 rods and 1.462 mm of 24.
-#[test]
-fn positions_held_for_2_ms_move_the_tip_of_a_hanging_link_off_as_claimed() {
+/// Plays a motion of a hanging link by a drive of 12 bits, with `laps` laps of rods with springs. The link has this stiffness
+/// in N m² and damping in s. Returns worst error and root mean square of the claim, those of the rods in m, and the claim's
+/// uncertainty.
+fn hanging(
+    motion: &TipMotion,
+    [stiffness, damped_s]: [f64; 2],
+    laps: usize,
+) -> ([f64; 2], [f64; 2], f64) {
     let link = link(|parts| {
-        parts.segments = vec![Segment::uniform(1.5, 5.0, 0.8)];
-        parts.damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: DAMPED_S };
+        parts.segments = vec![Segment::uniform(LENGTH_M, stiffness, MASS_KG_M)];
+        parts.damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: damped_s };
         let acceleration_m_s2 = [0.0, -9.81];
         let start_angle_rad = Some(-0.25 * TAU);
         parts.gravity = Some(Gravity { acceleration_m_s2, start_angle_rad });
     });
-    let plan = plan_of(&link, 10);
-    let motion = Profile::Septic.motion(TRAVEL_M, DURATION_S, 880).unwrap();
-    let solution = invert(&link, &plan, &motion, &Analysis::default()).unwrap();
+    let (plan, ends) = (plan_of(&link, 10), motion.ends());
+    let solution = invert(&link, &plan, motion, &Analysis::default()).unwrap();
     let table = SetPoints::of(&solution, &[SetPoint::Position], Side::Joint).unwrap();
-    let table =
-        table.on_cycle(CYCLE_S, Ends::AtRest).unwrap().held(Interpolation::Zero, Ends::AtRest);
+    let table = table.on_cycle(CYCLE_S, ends).unwrap().held(Interpolation::Zero, ends);
     let choice = UnitChoice::of_counts("position=4096/360 deg").unwrap();
     let table = table.in_units(&[], &[choice]).unwrap();
     let claimed =
@@ -364,33 +369,61 @@ fn positions_held_for_2_ms_move_the_tip_of_a_hanging_link_off_as_claimed() {
     let claimed = claimed.unwrap_or_else(|_| panic!("the table is not played"));
     let held = table.rows_of(&table.columns()[0]);
     let rise_s = CYCLE_S / 20.0;
-    let parts = [link.length_m(), 5.0, 0.8, link.payload().mass_kg];
+    let (rows, cycles) = (held.len(), laps * held.len());
+    let rods = || Rods::new([stiffness, damped_s, link.payload().mass_kg]);
     let from_rest = |angle: f64| angle + 0.25 * TAU;
-    let stepped = swung(parts, held.len(), |cycle, time_s| {
-        let (now, before) = (held[cycle], held[cycle.saturating_sub(1)]);
+    let stepped = swung(rods(), cycles, |cycle, time_s| {
+        let (now, before) = (held[cycle % rows], held[cycle.saturating_sub(1) % rows]);
         let [place, rate, _] = rise((time_s / rise_s).min(1.0));
         [from_rest(before) + (now - before) * place, (now - before) * rate / rise_s]
     });
     // Both of them with the same rods: what the rods miss cancels.
     let (angles, rates) = (&solution.hub().angle_rad, &solution.hub().rate_rad_s);
     let (first, own) = (table.grid().time_s(0), solution.grid);
-    let smooth = swung(parts, held.len(), |cycle, time_s| {
+    let smooth = swung(rods(), cycles, |cycle, time_s| {
         // The rises come half their time late.
         let time_s = first + CYCLE_S * cycle as f64 + time_s - 0.5 * rise_s;
         let place = ((time_s - own.time_s(0)) / own.step_s).max(0.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample")]
-        let k = (place.floor() as usize).min(own.len - 2);
-        let u = place - k as f64;
-        let [s0, s1] = [rates[k], rates[k + 1]].map(|rate| rate * own.step_s);
-        let risen = angles[k + 1] - angles[k];
+        let sample = if laps > 1 {
+            place.floor() as usize
+        } else {
+            (place.floor() as usize).min(own.len - 2)
+        };
+        let (k, next, u) = (sample % own.len, (sample + 1) % own.len, place - sample as f64);
+        let [s0, s1] = [rates[k], rates[next]].map(|rate| rate * own.step_s);
+        let risen = angles[next] - angles[k];
         let (c, d) = (3.0 * risen - 2.0 * s0 - s1, s0 + s1 - 2.0 * risen);
         let angle = angles[k] + u * (s0 + u * (c + u * d));
         [from_rest(angle), (s0 + u * (2.0 * c + 3.0 * u * d)) / own.step_s]
     });
-    let off: Vec<f64> = stepped.iter().zip(&smooth).map(|(a, b)| a - b).collect();
+    let off: Vec<f64> =
+        stepped.iter().zip(&smooth).map(|(a, b)| a - b).skip(cycles - rows).collect();
     let largest = off.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
     let rms_m = (off.iter().map(|own| own * own).sum::<f64>() / off.len() as f64).sqrt();
-    let (tip, change_m) = (&claimed.tip, claimed.change_m);
-    assert!((tip.worst_m / largest - 1.0).abs() < 0.01 && (tip.rms_m / rms_m - 1.0).abs() < 0.02);
-    assert!(tip.share > 1e-3 && change_m < 0.01 * tip.worst_m);
+    let tip = &claimed.tip;
+    ([tip.worst_m, tip.rms_m], [largest, rms_m], claimed.change_m)
+}
+
+/// Under its weight a link is an elastica, of which the steps move all shapes. They move the tip of rigid rods with springs
+/// as far: 1.502 mm, and 1.504 mm of the rods.
+#[test]
+fn positions_held_for_2_ms_move_the_tip_of_a_hanging_link_off_as_claimed() {
+    let motion = Profile::Septic.motion(TRAVEL_M, DURATION_S, 880).unwrap();
+    let ([worst_m, rms_m], rods_m, change_m) = hanging(&motion, [5.0, 5e-3], 1);
+    println!("{worst_m:e} {rms_m:e} {rods_m:?} {change_m:e}");
+    assert!(worst_m > 1e-3 * TRAVEL_M && change_m < 0.01 * worst_m, "{worst_m} {change_m}");
+    assert!((worst_m / rods_m[0] - 1.0).abs() < 0.01 && (rms_m / rods_m[1] - 1.0).abs() < 0.02);
+}
+
+/// A cycle that repeats: 0.2108 mm, and 0.2124 mm of the rods once their own swing has decayed.
+#[test]
+fn positions_held_for_2_ms_move_the_tip_of_a_swinging_link_off_as_claimed() {
+    let time_s: Vec<f64> = (0..1000).map(|k| 1e-3 * f64::from(k)).collect();
+    let displacement_m = Some(time_s.iter().map(|t| 0.3 * (TAU * t).sin()).collect());
+    let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
+    let motion = TipMotion::with_ends(columns, Ends::Periodic).unwrap();
+    let ([worst_m, rms_m], rods_m, change_m) = hanging(&motion, [20.0, 2e-2], 14);
+    println!("{worst_m:e} {rms_m:e} {rods_m:?} {change_m:e}");
+    assert!((worst_m / rods_m[0] - 1.0).abs() < 0.01 && (rms_m / rods_m[1] - 1.0).abs() < 0.02);
 }
