@@ -44,12 +44,13 @@ const FLAGS: [&str; 6] = ["bless", "drop-outliers", "periodic", "moving-ends", "
 const RENAMED: [(&str, &str); 2] = [("from", "start"), ("with", "quantities")];
 
 /// Phrases of a command line, and of a call.
-const PHRASES: [(&str, &str); 6] = [
+const PHRASES: [(&str, &str); 7] = [
     ("solve --write", "solution.table().write"),
     ("flexlink compare --bless", "--bless"),
     ("`flexlink modes --at`", "`modes(link, at=…)`"),
     ("modes --at ANGLE", "modes(link, at=ANGLE)"),
     ("modes --at", "modes(link, at=…)"),
+    ("LINK, a TOML file, comes before MOTION or TORQUE", "the link, a TOML file, comes first"),
     ("`flexlink ", "`flexlink."),
 ];
 

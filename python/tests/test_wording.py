@@ -33,6 +33,11 @@ HINTS = [
         "use --with position,velocity, or --form halstreamer",
         'use quantities=["position", "velocity"], or form="halstreamer"',
     ),
+    ("use finer counts or a shorter --cycle TIME", "use finer counts or a shorter cycle=TIME"),
+    (
+        "LINK, a TOML file, comes before MOTION or TORQUE",
+        "the link, a TOML file, comes first",
+    ),
     ("--columns time=1,torque=2 names them", 'columns="time=1,torque=2" names them'),
 ]
 

@@ -122,18 +122,18 @@ impl Told<'_> {
         let message =
             format!("{table} moves the tip off by {share} of its travel, more than {allowed}");
         let hint = match (options.window, options.counts.is_empty()) {
-            (Some(_), false) => "use a smaller --window, finer counts or a shorter --cycle",
+            (Some(_), false) => "use a smaller --window, finer counts or a shorter --cycle TIME",
             (None, false) if options.hold == Some(Hold::Linear) => {
-                "use finer counts or a shorter --cycle"
+                "use finer counts or a shorter --cycle TIME"
             }
-            (None, false) => "use finer counts, a shorter --cycle or --hold linear",
+            (None, false) => "use finer counts, a shorter --cycle TIME or --hold linear",
             (Some(_), true) if *held != Held::Effort => {
-                "use a smaller --window or a shorter --cycle"
+                "use a smaller --window or a shorter --cycle TIME"
             }
             (Some(_), true) => words.smaller,
             (None, true) if options.cycle.is_none() => "use a motion with a shorter step",
-            (None, true) if options.hold.is_some() => "use a shorter --cycle",
-            (None, true) => "use a shorter --cycle, or --hold as the drive has it",
+            (None, true) if options.hold.is_some() => "use a shorter --cycle TIME",
+            (None, true) => "use a shorter --cycle TIME, or --hold as the drive has it",
         };
         Some(Notice::new("table_moves_tip", &message, hint).worded(self.arm))
     }

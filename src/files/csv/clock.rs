@@ -67,7 +67,13 @@ impl ClockTime {
     /// follow. `24:05.1`, as spreadsheets write it, is minutes and seconds.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let text = text.trim();
-        let (date, rest) = match text.find(['T', 't', ' ']).filter(|_| has_date(text)) {
+        // The t of Oct divides nothing.
+        let is_end = |(at, letter): (usize, char)| {
+            let is_after_digit = text[..at].ends_with(|c: char| c.is_ascii_digit());
+            (letter == ' ' || is_after_digit && "Tt".contains(letter)).then_some(at)
+        };
+        let end = text.char_indices().find_map(is_end).filter(|_| has_date(text));
+        let (date, rest) = match end {
             Some(at) => (Some(&text[..at]), text[at + 1..].trim()),
             None => (None, text),
         };
@@ -160,6 +166,9 @@ fn number(text: &str, [least, most]: [usize; 2]) -> Option<i64> {
     ((least..=most).contains(&text.len()) && is_number).then(|| text.parse().ok())?
 }
 
+const MONTHS: [&str; 12] =
+    ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
+
 /// A date, and its days from 1970; 0 for a date in doubt.
 fn read_date(text: &str) -> Option<(Date, i64)> {
     let known = |year: &str, month: &str, day: &str| {
@@ -171,8 +180,13 @@ fn read_date(text: &str) -> Option<(Date, i64)> {
         |(_, days): (Date, i64), is_month_first| Some((Date::Slashed { is_month_first }, days));
     let parts =
         |sign: char| -> Option<[&str; 3]> { text.split(sign).collect::<Vec<_>>().try_into().ok() };
-    if let Some([year, month, day]) = parts('-') {
-        return known(year, month, day);
+    if let Some([first, month, last]) = parts('-') {
+        // MATLAB writes 30-Nov-2026.
+        let named = MONTHS.iter().position(|own| own.eq_ignore_ascii_case(month));
+        return named.map_or_else(
+            || known(first, month, last),
+            |named| known(last, &(named + 1).to_string(), first),
+        );
     }
     if let Some([day, month, year]) = parts('.') {
         return known(year, month, day);
@@ -292,6 +306,7 @@ mod tests {
         let local = time("30.11.2026 17:24:05,125");
         for text in [
             "2026/11/30 17:24:05.125",
+            "30-Nov-2026 17:24:05.125",
             "11/30/2026 5:24:05.125 PM",
             "30/11/2026 17:24:05.125",
             "2026-11-30 17:24:05.125",
@@ -299,6 +314,7 @@ mod tests {
             assert_eq!(time(text).since(&local), Some(0.0), "{text}");
         }
         assert_eq!(local.since(&exact), None, "one has no zone");
+        assert_eq!(time("31-Oct-2026 10:00:00").since(&time("31.10.2026 10:00:00")), Some(0.0));
         let of_count = |text: &str, count, unit_s| {
             ClockTime::of_count(text.into(), count, CountUnit::of_seconds(unit_s).unwrap())
         };

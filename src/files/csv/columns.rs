@@ -310,7 +310,14 @@ impl Header<'_> {
             let must = format!("must have its unit in brackets: {} reads like one", quoted(word));
             let option = if quantity == TIME { "--time-unit" } else { "--unit" };
             let error = self.place.refuse_column(index, field, must);
-            return Err(error.with_hint(format!("{option} UNIT names it")));
+            // WinCC writes days since 1899, times 1e6, below Time_ms.
+            let is_wincc = quantity == TIME && self.fields.contains(&"VarValue");
+            let hint = if is_wincc {
+                "--scale time=0.0864 reads WinCC's millionths of days".to_owned()
+            } else {
+                format!("{option} UNIT names it")
+            };
+            return Err(error.with_hint(hint));
         }
         self.heading(quantity, (index, field), quantity.is_suffixed(split_unit(field).0))
     }

@@ -323,6 +323,8 @@ pub struct Reading {
     pub(super) is_interpolated: bool,
     /// Remark on samples that do not follow their neighbours, in a table that is used unchanged.
     pub(super) doubt: Option<String>,
+    /// Remark on times without a unit that are slow as seconds.
+    pub(super) slow: Option<String>,
     /// Number of samples replaced by their neighbours' prediction.
     pub(super) dropped: usize,
     /// Instant of the time 0, of a table of dates or times of day.
@@ -372,11 +374,13 @@ impl Reading {
         self.unread.as_ref().map(|(unread, hint)| (unread.as_str(), hint.as_str()))
     }
 
-    /// All remarks on the table, each with a remedy: unread columns, uneven times, and samples that do not follow their
-    /// neighbours.
+    /// All remarks on the table, each with a remedy: unread columns, uneven times, samples that do not follow their
+    /// neighbours, and times that may not be in s.
     pub fn remarks(&self) -> impl Iterator<Item = (&str, &str)> {
         let hint = "correct a bad reading; a pulse of one step may stay";
         let doubt = self.doubt.as_deref().map(|doubt| (doubt, hint));
-        self.remark().into_iter().chain(self.jitter()).chain(doubt)
+        let slow =
+            self.slow.as_deref().map(|slow| (slow, "--time-unit ms, us or s states the unit"));
+        self.remark().into_iter().chain(self.jitter()).chain(doubt).chain(slow)
     }
 }

@@ -458,6 +458,17 @@ impl Heading {
         Self { factor: Some(step), ..self }
     }
 
+    /// Takes the unit that stands in the fields of a column of times, if nothing else names one.
+    pub(super) fn takes_unit(&mut self, text: &str) -> bool {
+        let unit = parse_unit(text).ok().filter(|unit| unit.dimension() == Dimension::TIME);
+        let is_new = unit.is_some() && !self.has_measure();
+        if is_new {
+            text.clone_into(&mut self.unit_text);
+            (self.unit, self.has_unit) = (unit, true);
+        }
+        is_new
+    }
+
     /// True if the table or the user names a unit or a factor.
     pub(super) fn has_measure(&self) -> bool {
         self.has_unit || self.factor.is_some()
@@ -572,11 +583,16 @@ pub(crate) fn refuse_missing(names: &[&str], wanted: &str, place: Place) -> Tabl
 
 /// The word most similar to `name`, if one is similar.
 pub(super) fn nearest<'a>(name: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    /// Similarity, from 0 to 1, above which a word may be a slip or an abbreviation.
-    const ALIKE: f64 = 0.7;
-    let ranked = words.into_iter().map(|word| (strsim::jaro_winkler(name, word), word));
-    let (best, word) = ranked.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best > ALIKE).then_some(word)
+    /// Letters of a name that is more than a slip.
+    const SHORTEST: usize = 3;
+    let lower = name.to_lowercase();
+    let slips = |word: &str| strsim::damerau_levenshtein(&lower, word);
+    let ranked = words.into_iter().map(|word| (word, word.to_lowercase()));
+    let (word, own) = ranked.min_by_key(|(_, own)| slips(own))?;
+    let is_begun = own.starts_with(&lower) || lower.starts_with(&own);
+    let is_short = lower.len().min(own.len()) < SHORTEST;
+    // A letter in three may be wrong.
+    (!is_short && (is_begun || 3 * slips(&own) <= lower.len().max(own.len()))).then_some(word)
 }
 
 #[cfg(test)]

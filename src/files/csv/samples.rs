@@ -57,6 +57,9 @@ const SEGMENTS: [&str; 2] = ["Channels", "LabVIEW Measurement"];
 /// Share of the rows that may be left out.
 const MOST_LEFT_OUT: f64 = 0.1;
 
+/// Step in s from which times without a unit may be in another one.
+const SLOW_S: f64 = 0.1;
+
 /// Longest gap between samples that a spline may fill, and longest one without a remark, in usual steps.
 const LONGEST_GAP: f64 = 10.0;
 const TOLD_GAP: f64 = 2.5;
@@ -204,6 +207,7 @@ impl Samples {
             return Err(whole.refuse("samples", found, format!("must be {MIN_SAMPLES} or more")));
         }
         samples.tell_rows(whole)?;
+        samples.doubt_times();
         samples.shift(MotionBegins::find(bytes));
         Ok(samples)
     }
@@ -251,6 +255,22 @@ impl Samples {
         let empty = self.without_value.told(["lacks a value", "lack a value"]);
         self.reading.found.extend(empty);
         Ok(())
+    }
+
+    /// Tells of times without a unit whose step in s is longer than those of loggers.
+    fn doubt_times(&mut self) {
+        let Some(time) = self.time().filter(|_| self.clock.is_none()) else { return };
+        let (heading, times_s) = (&self.headings[time], &self.values[time]);
+        let (first_s, last_s) = (times_s[0], times_s[times_s.len() - 1]);
+        let step_s = (last_s - first_s) / (times_s.len() - 1) as f64;
+        if heading.has_measure() || heading.is_counted || step_s < SLOW_S {
+            return;
+        }
+        let (name, step) = (quoted(&heading.name), significant(step_s, 3));
+        let whole = significant(last_s - first_s, 3);
+        self.reading.slow = Some(format!(
+            "{name} has no unit and counts as seconds: a sample every {step} s, {whole} s in all"
+        ));
     }
 
     /// Number of the column of the time.
@@ -474,6 +494,15 @@ impl Samples {
         }
         let heading = &mut self.headings[column];
         let is_first = self.lines.is_empty();
+        // MATLAB writes the unit of a duration into each field.
+        let field = match field.rsplit_once(' ') {
+            Some((number, unit)) if is_first && heading.takes_unit(unit) => {
+                self.reading.found.push(format!("time in {unit}, as its fields say"));
+                number
+            }
+            Some((number, unit)) if unit == heading.unit_text => number,
+            _ => field,
+        };
         let notes = is_first.then_some(&mut self.reading.found);
         let number = field.parse().ok();
         let read = match number {

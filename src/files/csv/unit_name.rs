@@ -52,7 +52,11 @@ const SPELLINGS: [(&[&str], &str); 16] = [
 
 /// Reads a unit as spelt in headings, including `Nm` and `m/s2`; refuses a rate that may count turns.
 pub(super) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
-    let known = SPELLINGS.iter().find(|(spellings, _)| spellings.contains(&text));
+    // The first letter of a word may be large: Sec, Seconds.
+    let is_small = |word: &String| word.chars().skip(1).eq(text.chars().skip(1));
+    let word = Some(text.to_lowercase()).filter(|word| word.len() > 2 && is_small(word));
+    let is_spelt = |own: &&str| *own == text || word.as_deref() == Some(*own);
+    let known = SPELLINGS.iter().find(|(spellings, _)| spellings.iter().any(is_spelt));
     let text = known.map_or(text, |(_, unit)| unit);
     let unit = Unit::parse(text).or_else(|error| {
         let squared = text.strip_suffix('2').map(|base| Unit::parse(&format!("{base}^2")));

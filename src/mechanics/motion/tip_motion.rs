@@ -270,6 +270,12 @@ impl TipMotion {
         self.samples.travel_m
     }
 
+    /// Turn in rad of a joint over a cycle, of a tip that a rigid link has at `rigid_tip_m` m per rad; `None` for a motion that
+    /// does not repeat.
+    pub fn turn_of_cycle_rad(&self, rigid_tip_m: f64) -> Option<f64> {
+        (self.ends() == Ends::Periodic).then(|| self.travel_m() / rigid_tip_m)
+    }
+
     /// Numbers of the last sample at rest before the motion and of the first one after it: below 1e-6 of the peak
     /// acceleration or, for noisy samples, where the place leaves the rest. A periodic motion always moves.
     pub fn moving_samples(&self) -> (usize, usize) {

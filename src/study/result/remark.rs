@@ -308,7 +308,7 @@ impl Remark {
             Self::FirstFrequency { .. } => "write the units beside the numbers of the link file",
             Self::Duration { .. } => "name the unit in the column's heading, as in \"time [ms]\"",
             Self::Travel { .. } => {
-                "name the unit in the column's heading, as in \"displacement [mm]\", or in `trajectory` as in --distance '90 deg'"
+                "name the unit in the column's heading, as in \"displacement [mm]\" or \"angle [deg]\", or in `trajectory` as in --distance '90 deg'"
             }
             Self::Jitter { .. } => "--resample STEP interpolates at another step",
             Self::DroppedOutliers { .. } => "leave --drop-outliers out to see the first of them",

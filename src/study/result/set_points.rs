@@ -591,12 +591,9 @@ fn slides(solution: &Solution, number: usize) -> bool {
 /// Change of the position of a link's joint over a cycle, on a side of its gear. The joints of an arm return.
 fn turn(solution: &Solution, side: Side) -> f64 {
     let Motion::Tip(motion) = &solution.motion else { return 0.0 };
-    if motion.ends() != Ends::Periodic {
-        return 0.0;
-    }
     let link = solution.links[0].link();
     let ratio = link.drive().filter(|_| side == Side::Motor).map_or(1.0, |own| own.gear_ratio);
-    ratio * motion.travel_m() / link.rigid_tip()
+    motion.turn_of_cycle_rad(link.rigid_tip()).map_or(0.0, |turn_rad| ratio * turn_rad)
 }
 
 /// A quantity of a joint.

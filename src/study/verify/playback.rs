@@ -99,7 +99,7 @@ pub(super) fn under_torque<'a>(
         initial_tip_m: solution.tip[0].displacement_m[0],
         memory_bytes,
         is_large: solution.second_order.is_some(),
-        cycle_turn_rad: turn_of_cycle_rad(solution.links[0].link(), motion),
+        cycle_turn_rad: motion.turn_of_cycle_rad(solution.links[0].link().rigid_tip()),
         ..Play::of(torque)
     }
 }
@@ -156,11 +156,6 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unpl
         vec![Kind::TIP_ERROR.measured_to(error(played_m), bound)]
     };
     Ok(PlayedChecks { tip, energy: energy(answer, &simulation) })
-}
-
-/// Turn in rad of a cycle; `None` for a motion that does not repeat.
-pub(super) fn turn_of_cycle_rad(link: &Link, motion: &TipMotion) -> Option<f64> {
-    (motion.ends() == Ends::Periodic).then(|| motion.travel_m() / link.rigid_tip())
 }
 
 /// The check of a simulation's balance of energy.
@@ -261,7 +256,7 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
     let play = Play {
         memory_bytes: answer.memory_bytes,
         is_large: true,
-        cycle_turn_rad: turn_of_cycle_rad(link, motion),
+        cycle_turn_rad: motion.turn_of_cycle_rad(link.rigid_tip()),
         start_angle_rad: wanted.start_angle_rad(),
         ..Play::turning(&hub)
     };

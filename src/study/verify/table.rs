@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::check::VerificationError;
-use super::playback::{initial, simulated, torque_on, turn_of_cycle_rad, under_torque, wanted_tip};
+use super::playback::{initial, simulated, torque_on, under_torque, wanted_tip};
 use crate::beam::MeshPlan;
 use crate::inverse::Solution;
 use crate::link::{Arm, Drive, Link, LinkParts};
@@ -321,7 +321,7 @@ impl Player<'_> {
             tolerance: Some(SETTLED_MOVED),
             memory_bytes: self.memory_bytes,
             is_large: solution.second_order.is_some() && !self.is_linear,
-            cycle_turn_rad: turn_of_cycle_rad(link, motion),
+            cycle_turn_rad: motion.turn_of_cycle_rad(link.rigid_tip()),
             start_angle_rad: wanted_tip(solution, motion).start_angle_rad(),
             ..Play::turning(&reference)
         };
