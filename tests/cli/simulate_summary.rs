@@ -116,7 +116,7 @@ fn assert_first_mode(summary: &Value) {
 #[test]
 fn a_coarse_step_hides_the_vibration_in_the_rows_only() {
     let bench = Bench::new();
-    bench.write("t.csv", "time,torque\n0,0\n0.5,1\n1,1\n1.5,0\n");
+    bench.write("t.csv", "time_s,torque\n0,0\n0.5,1\n1,1\n1.5,0\n");
     let told = stderr(&simulated(&bench, "t.csv"));
     assert!(told.starts_with("warning: the step of 0.5 s leaves 1.1 steps"), "{told}");
     let summary = bench.json("simulated/summary.json");
