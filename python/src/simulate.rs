@@ -42,8 +42,9 @@ const HALF_A_FEEDBACK: &str =
 /// ``solve``.
 ///
 /// ``time`` may be a table of a solution, ``solution.table(…)``: its efforts are played at the times of the motion's file, in
-/// which the target is, too. Else it has the times of arrays in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known; or
-/// ``voltage`` in V of the motor of ``[drive]``, which turns its rotor and the link.
+/// which the target is, too, with the ``hold`` of the table. Else it has the times of arrays in s, evenly spaced: ``torque``
+/// in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known; or ``voltage`` in V of the motor of ``[drive]``, which
+/// turns its rotor and the link.
 /// Other keywords: ``hold``, the torque between its samples, ``"cubic"``, ``"linear"`` or ``"zero"``; ``until`` in s;
 /// ``periodic``. ``feedback`` is a pair of gains in N m/rad and N m s/rad, around ``reference`` in rad with
 /// ``reference_rate``. A link on a carriage takes ``force`` in N, or ``carriage`` in m and ``carriage_velocity``, and gains
@@ -91,6 +92,9 @@ pub(crate) fn simulate(
                     {
                         keywords.set_item(name, effort)?;
                     }
+                }
+                if let (Some(hold), false) = (table.get().hold(), keywords.contains("hold")?) {
+                    keywords.set_item("hold", hold)?;
                 }
             }
             table.get().times_of_motion()

@@ -6,6 +6,7 @@ use flexlink::cli::solve::write_args::WriteArgs;
 use flexlink::cli::terminal::StageBar;
 use flexlink::csv::Joints;
 use flexlink::inverse::Solution as Inverse;
+use flexlink::response::Interpolation;
 use flexlink::result::{SetPoint, Side};
 use flexlink::store::Summary;
 
@@ -33,6 +34,15 @@ pub(crate) struct SetPoints {
 }
 
 impl SetPoints {
+    /// The ``hold`` of a play as the table is for.
+    pub(crate) fn hold(&self) -> Option<&'static str> {
+        match self.written.table.interpolation() {
+            Interpolation::Zero => Some("zero"),
+            Interpolation::Linear => Some("linear"),
+            Interpolation::Cubic => None,
+        }
+    }
+
     /// The table of a solution with these options; plays it where they change the torque.
     pub(crate) fn of(
         (solution, plans): (&Inverse, &[MeshPlan]),

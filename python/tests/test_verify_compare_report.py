@@ -203,6 +203,9 @@ def test_the_error_of_a_table_is_that_of_a_simulation_of_its_rows() -> None:
         wanted = np.interp(played.time, solution.time, solution.tip_displacement)
         worst = abs(played.tip_displacement - wanted).max()
         assert table.tip_error["worst_m"] == pytest.approx(worst, rel=1e-3), window
+        # The table itself is played as it is held.
+        whole = flexlink.simulate(link, table, until=end)
+        assert abs(whole.tip_displacement - played.tip_displacement).max() < 1e-3 * worst, window
 
 
 def test_a_played_sweep_is_that_of_the_command(

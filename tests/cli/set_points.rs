@@ -260,3 +260,31 @@ fn a_table_for_stairs_is_played_as_stairs_alone() {
     let late = strays("both.csv --hold zero --reference smooth.csv");
     assert!(stairs < 1e-3 && stairs < 0.5 * late, "{stairs} {late}");
 }
+
+/// Joints of an arm on a carriage that move at the ends of their recording are named one by one.
+#[test]
+fn joints_that_move_at_the_ends_of_a_recording_are_told() {
+    let bench = Bench::new();
+    let ramp = |from: f64, rate: f64| move |k: f64| [0.002 * k, from + rate * 0.002 * k];
+    let [first, carriage] = [ramp(0.3, 0.1), ramp(0.0, 0.2)];
+    bench.sampled("joints.csv", "time_s,joint1,joint2", 0..101, |k| {
+        let [time_s, angle_rad] = first(k);
+        [time_s, angle_rad, 0.5]
+    });
+    bench.sampled("carriage.csv", "time_s,carriage", 0..101, carriage);
+    let play = "simulate specs/carriages/gantry_arm.toml joints.csv --input hub-angle";
+    let told = |options: &str| stderr(&bench.run(&format!("{play} {options}")));
+    let (to_the_end, beyond) = (told(""), told("--until 0.3"));
+    for (name, rate) in [("joint 1", "0.1 rad/s"), ("carriage", "0.2 m/s")] {
+        let begins = format!(
+            "warning: {name} begins with {rate}, 100.0 % of its peak rate: it rests before"
+        );
+        let ends =
+            format!("warning: {name} ends with {rate}, 100.0 % of its peak rate: it stops within");
+        assert!(to_the_end.contains(&begins) && !to_the_end.contains(&ends), "{to_the_end}");
+        assert!(beyond.contains(&begins) && beyond.contains(&ends), "{beyond}");
+    }
+    assert!(!beyond.contains("joint 2"), "{beyond}");
+    let angles_rad = column(&bench, "simulated/joint_angles.csv", "joint1_rad");
+    assert!(angles_rad[101..].iter().all(|angle| (angle - 0.32).abs() < 1e-9), "{angles_rad:?}");
+}

@@ -299,15 +299,25 @@ impl QuinticSpline {
     /// Coefficients of the second derivative between neighbours: a cubic in the distance from the first of them, in
     /// steps.
     pub(crate) fn curvature_pieces(&self) -> impl Iterator<Item = [f64; 4]> {
-        self.samples.windows(2).zip(self.ends.windows(2)).map(|(y, ends)| {
-            let rise = y[1] - y[0];
-            let [(r, a), (s, b)] = [(ends[0][0], ends[0][1]), (ends[1][0], ends[1][1])];
-            let third = 10.0 * rise - 6.0 * r - 4.0 * s - 1.5 * a + 0.5 * b;
-            let fourth = -15.0 * rise + 8.0 * r + 7.0 * s + 1.5 * a - b;
-            let fifth = 6.0 * rise - 3.0 * (r + s) + 0.5 * (b - a);
-            [a, 6.0 * third, 12.0 * fourth, 20.0 * fifth]
-        })
+        let neighbours = self.samples.windows(2).zip(self.ends.windows(2));
+        neighbours.map(|(y, ends)| curvature(y[1] - y[0], [ends[0], ends[1]]))
     }
+
+    /// The same after the last sample, of a curve that returns to it with slope and curvature 0. `more` adds to the slope of
+    /// the spline.
+    pub(crate) fn stop(&self, more: f64) -> [f64; 4] {
+        let last = self.ends[self.ends.len() - 1] + Vector2::new(more, 0.0);
+        curvature(0.0, [last, Vector2::zeros()])
+    }
+}
+
+/// Second derivative of a quintic that rises by `rise` in a step, from slope and curvature at its ends.
+fn curvature(rise: f64, [from, to]: [Vector2<f64>; 2]) -> [f64; 4] {
+    let [(r, a), (s, b)] = [(from[0], from[1]), (to[0], to[1])];
+    let third = 10.0 * rise - 6.0 * r - 4.0 * s - 1.5 * a + 0.5 * b;
+    let fourth = -15.0 * rise + 8.0 * r + 7.0 * s + 1.5 * a - b;
+    let fifth = 6.0 * rise - 3.0 * (r + s) + 0.5 * (b - a);
+    [a, 6.0 * third, 12.0 * fourth, 20.0 * fifth]
 }
 
 fn inverse(m: &Matrix2<f64>) -> Matrix2<f64> {
@@ -482,6 +492,13 @@ mod tests_of_quintics {
             slope += a + b / 2.0 + c / 3.0 + d / 4.0;
             assert!((value - next).abs() < 1e-8, "{value} is not {next}");
         }
+        let [a, b, c, d] = spline.stop(0.5);
+        let stopped = [
+            slope + 0.5 + a + b / 2.0 + c / 3.0 + d / 4.0,
+            slope + 0.5 + a / 2.0 + b / 6.0 + c / 12.0 + d / 20.0,
+            a + b + c + d,
+        ];
+        assert!(stopped.iter().all(|own| own.abs() < 1e-8), "{stopped:?}");
         let [a, b, c, d] = pieces[pieces.len() - 1];
         assert!((b + 2.0 * c + 3.0 * d).abs() < 1e-8 && (c + 3.0 * d).abs() < 1e-8, "{a}");
     }

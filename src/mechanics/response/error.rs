@@ -213,10 +213,10 @@ pub enum SimulationWarning {
     #[error(
         "{} begins with {:?} rad/s, {:.1} % of its peak rate: {} rests before its first sample, and \
          starts within the first step",
-        angle(*joint),
+        moving(*joint),
         rounded(*rate_rad_s, 4),
         100.0 * share,
-        if joint.is_some() { "the joint" } else { "the hub" }
+        if joint.is_some() { "it" } else { "the hub" }
     )]
     HubBeginsMoving {
         /// Number of the joint of an arm, from 1.
@@ -228,12 +228,11 @@ pub enum SimulationWarning {
     },
     /// A hub that still moves at its last sample, where the simulation goes on.
     #[error(
-        "{} ends with {:?} rad/s, {:.1} % of its peak rate: {} rests after its last sample, and the torque \
-         leaves out the impulse that stops it",
-        angle(*joint),
+        "{} ends with {:?} rad/s, {:.1} % of its peak rate: {} stops within the step after its last sample",
+        moving(*joint),
         rounded(*rate_rad_s, 4),
         100.0 * share,
-        if joint.is_some() { "the joint" } else { "the hub" }
+        if joint.is_some() { "it" } else { "the hub" }
     )]
     HubEndsMoving {
         /// Number of the joint of an arm, from 1.
@@ -374,9 +373,9 @@ fn torque(joint: Option<usize>) -> String {
     joint.map_or("the torque".to_owned(), |joint| format!("torque{joint}"))
 }
 
-/// Name of the angle of a joint in messages.
-fn angle(joint: Option<usize>) -> String {
-    joint.map_or("the hub angle".to_owned(), |joint| format!("angle{joint}"))
+/// Name of a joint that moves in messages.
+fn moving(joint: Option<usize>) -> String {
+    joint.map_or("the hub angle".to_owned(), |joint| format!("joint {joint}"))
 }
 
 impl SimulationWarning {

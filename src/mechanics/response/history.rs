@@ -264,7 +264,7 @@ impl HubReference {
     ) -> f64 {
         let own = self.angle_rad();
         match interpolation {
-            Interpolation::Cubic => self.accelerations(cycle_turn_rad).2[0],
+            Interpolation::Cubic => self.accelerations(cycle_turn_rad, false).2,
             Interpolation::Linear if cycle_turn_rad.is_some() => {
                 (own[1] - own[0]) / self.grid().step_s
             }
@@ -272,12 +272,14 @@ impl HubReference {
         }
     }
 
-    /// Accelerations in rad/s² at the samples and between them, and the first and the last rate in rad/s. The first is the one
-    /// before the first sample, or the one of a repeating cycle with this turn.
+    /// Accelerations in rad/s² at the samples and between them, and the first rate in rad/s: the one before the first
+    /// sample, or the one of a repeating cycle with this turn. A joint that `stops` is where its last sample is a step later,
+    /// without rate and acceleration.
     pub(super) fn accelerations(
         &self,
         cycle_turn_rad: Option<f64>,
-    ) -> (Vec<f64>, Vec<[f64; 4]>, [f64; 2]) {
+        stops: bool,
+    ) -> (Vec<f64>, Vec<[f64; 4]>, f64) {
         let (own, turn_rad) = (self.angle_rad(), cycle_turn_rad.unwrap_or(0.0));
         let around = if cycle_turn_rad.is_some() { own.len() } else { 0 };
         let (step_s, [_, arrival_rad_s]) = (self.grid().step_s, self.arrival());
@@ -289,10 +291,12 @@ impl HubReference {
         let per_s2 = step_s.powi(-2);
         let samples = spline.curvatures().skip(around).take(own.len());
         let pieces = spline.curvature_pieces().skip(around).take(own.len());
+        let stop = spline.stop(arrival_rad_s * step_s);
+        let stop = stops.then_some(stop).into_iter();
         (
             samples.map(|curvature| curvature * per_s2).collect(),
-            pieces.map(|piece| piece.map(|c| c * per_s2)).collect(),
-            [around, around + own.len() - 1].map(|k| spline.slope(k) / step_s + arrival_rad_s),
+            pieces.chain(stop).map(|piece| piece.map(|c| c * per_s2)).collect(),
+            spline.slope(around) / step_s + arrival_rad_s,
         )
     }
 }

@@ -34,10 +34,9 @@ pub enum Input<'a> {
     /// The hub angle, or the angle of each joint, followed exactly. The joints are at rest before the first sample, unless a
     /// linear link [arrives](HubReference::arriving) there, and at rest after the last one.
     ///
-    /// The angle between the samples is a quintic spline without rate and acceleration at the start; rates of the
-    /// reference have no effect. With [`Interpolation::Zero`] the joint jumps from sample to sample, and with
-    /// [`Interpolation::Linear`] it moves along straight lines. The torques contain no impulses: neither of these motions nor of a
-    /// joint that stops at its last sample.
+    /// The angle between the samples is a quintic spline without rate and acceleration at the start. A joint that still moves at
+    /// its last sample stops within the step after it, where the play goes on. Rates of the reference have no effect. With [`Interpolation::Zero`] the joint jumps from sample to sample, and with
+    /// [`Interpolation::Linear`] it moves along straight lines. The torques of these motions contain no impulses.
     Angles(&'a [HubReference]),
 }
 
@@ -189,7 +188,7 @@ impl<'a> Play<'a> {
         continued(self.input.grid(), self.until_s)
     }
 
-    /// True for prescribed joints that stop at their last sample, because the play goes on after it.
+    /// True for prescribed joints that stop after their last sample, because the play goes on.
     fn stops(&self, grid: &TimeGrid) -> bool {
         let goes_on = grid.len > self.input.grid().len;
         goes_on && !self.input.is_torque() && self.cycle_turn_rad.is_none()
@@ -231,7 +230,7 @@ impl<'a> Play<'a> {
         let torque = match self.input {
             Input::Torques(torques) => torque_band_rad_s(&grid, torques[0].torque_n_m(), share),
             Input::Angles(hubs) => {
-                let (samples, ..) = hubs[0].accelerations(self.cycle_turn_rad);
+                let (samples, ..) = hubs[0].accelerations(self.cycle_turn_rad, false);
                 let band_rad_s = torque_band_rad_s(&grid, &samples, share);
                 return band_rad_s.map(|band_rad_s| self.jumping_rad_s(&grid).max(band_rad_s));
             }
@@ -267,7 +266,9 @@ impl<'a> Play<'a> {
             Input::Angles(hubs) => {
                 let turned = |joint| self.turn_of_cycle_rad(joint);
                 let moved = hubs.iter().enumerate();
-                moved.map(|(joint, hub)| moving(&hub.accelerations(turned(joint)).0)).collect()
+                moved
+                    .map(|(joint, hub)| moving(&hub.accelerations(turned(joint), false).0))
+                    .collect()
             }
         };
         let repeats = self.cycle_turn_rad.is_some();
@@ -395,15 +396,11 @@ impl<'a> Play<'a> {
                     let jumps = hub.jumps(is_stairs, turn_rad);
                     return Ok(Driving::jumping(jumps, turn_rad.is_some()));
                 }
-                let (samples, pieces, [_, last_rad_s]) = hub.accelerations(turn_rad);
-                let mut jumps = vec![[0.0; 2]; samples.len()];
-                jumps[0][0] = hub.first_jump_rad();
-                if self.stops(&self.grid()?) {
-                    jumps[samples.len() - 1][1] = -last_rad_s;
-                }
+                let stops = self.stops(&self.grid()?);
+                let (samples, pieces, _) = hub.accelerations(turn_rad, stops);
                 return Ok(Driving {
                     repeats: turn_rad.is_some(),
-                    jumps,
+                    jumps: vec![[hub.first_jump_rad(), 0.0]],
                     ..Driving::new(samples, pieces)
                 });
             }

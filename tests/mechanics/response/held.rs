@@ -218,7 +218,7 @@ fn a_hub_that_moves_at_its_start_or_end_is_told_and_one_that_rests_is_refused() 
     let warnings = turned(&link, &plan, &ramp).warnings;
     let told: Vec<_> = warnings.iter().map(SimulationWarning::kind).collect();
     assert_eq!(told[0], "hub_begins_moving", "{told:?}");
-    // It stops at its last sample, of which a warning tells if the simulation goes on.
+    // It stops within the step after its last sample, of which a warning tells if the simulation goes on.
     assert!(!told.contains(&"hub_ends_moving"), "{told:?}");
     let play = Play { until_s: Some(4.0), ..Play::turning(&ramp) };
     let found = played(&link, &plan, &play);
